@@ -1,0 +1,100 @@
+// The paraboloid mapping; twin of src/paraboloid.rs, where each function is documented. Same names with
+// the prefix dp_, same arithmetic. Declares no bindings, so it may be pasted anywhere.
+
+// Cosine (120 degrees from the axis) behind which a vertex can't belong to a triangle that touches the disc.
+const DP_BEHIND: f32 = -0.5;
+// sin^2 of half the widest angle (16 degrees) that an unsplit edge may span.
+const DP_EDGE_SINE_SQUARED: f32 = 0.01937;
+// Largest error of interpolated depth over an unsplit edge, in texel footprints along the normal.
+const DP_DEPTH_TOLERANCE: f32 = 0.5;
+
+fn dp_to_hemisphere(light_space: vec3<f32>, back: bool) -> vec3<f32> {
+    return select(light_space, vec3<f32>(-light_space.x, light_space.y, -light_space.z), back);
+}
+
+fn dp_is_back(light_space: vec3<f32>) -> bool {
+    return light_space.z < 0.0;
+}
+
+fn dp_homogeneous_w(x: vec3<f32>) -> f32 {
+    let l = length(x);
+    // |X| + X.z cancels behind the seam; the other root of the same quadratic doesn't.
+    return select(l + x.z, dot(x.xy, x.xy) / (l - x.z), x.z < 0.0);
+}
+
+fn dp_project(x: vec3<f32>) -> vec2<f32> {
+    let w = dp_homogeneous_w(x);
+    return select(vec2<f32>(1e18, 0.0), x.xy / w, w > 0.0);
+}
+
+fn dp_unproject_scaled(p: vec2<f32>) -> vec3<f32> {
+    return vec3<f32>(p.x, p.y, 0.5 - 0.5 * dot(p, p));
+}
+
+fn dp_unproject(p: vec2<f32>) -> vec3<f32> {
+    return dp_unproject_scaled(p) * (2.0 / (1.0 + dot(p, p)));
+}
+
+fn dp_clip_position_scaled(x: vec3<f32>, near: f32, scale: f32) -> vec4<f32> {
+    let l = length(x);
+    let w = dp_homogeneous_w(x);
+    let z = select(near, 2.0 * l, x.z < DP_BEHIND * l);
+    return vec4<f32>(x.x * scale, x.y * scale, z, w);
+}
+
+fn dp_depth(x: vec3<f32>, near: f32) -> f32 {
+    return near / dp_homogeneous_w(x);
+}
+
+fn dp_plane_depth(normal: vec3<f32>, distance: f32, p: vec2<f32>, near: f32) -> f32 {
+    return (near / distance) * dot(normal, dp_unproject_scaled(p));
+}
+
+fn dp_solid_angle_density(p: vec2<f32>) -> f32 {
+    let a = 2.0 / (1.0 + dot(p, p));
+    return a * a;
+}
+
+fn dp_texel_angle(p: vec2<f32>, texel: f32) -> f32 {
+    return texel * 2.0 / (1.0 + dot(p, p));
+}
+
+fn dp_edge_curvature(a: vec2<f32>, b: vec2<f32>) -> f32 {
+    let swap = b.x < a.x || (b.x == a.x && b.y < a.y);
+    let p = select(a, b, swap);
+    let q = select(b, a, swap);
+    let n = cross(dp_unproject_scaled(p), dp_unproject_scaled(q));
+    let l = length(n);
+    return select(0.0, min(abs(n.z) / l, 1.0), l > 0.0);
+}
+
+fn dp_sagitta(chord: f32, curvature: f32) -> f32 {
+    let half = 0.5 * chord * curvature;
+    return 0.25 * chord * chord * curvature / (1.0 + sqrt(max(1.0 - half * half, 0.0)));
+}
+
+fn dp_edge_needs_split(a: vec2<f32>, b: vec2<f32>, texels: f32, tolerance: f32) -> bool {
+    let d = b - a;
+    let chord_squared = dot(d, d);
+    let bend = 0.125 * chord_squared * texels;
+    if bend > DP_DEPTH_TOLERANCE {
+        return true;
+    }
+    if chord_squared > DP_EDGE_SINE_SQUARED * (1.0 + dot(a, a)) * (1.0 + dot(b, b)) {
+        return true;
+    }
+    // The sagitta is at most twice its small-angle form, and the curvature at most 1.
+    if 2.0 * bend <= tolerance {
+        return false;
+    }
+    return dp_sagitta(sqrt(chord_squared), dp_edge_curvature(a, b)) * texels > tolerance;
+}
+
+fn dp_bisect(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    let swap = b.x < a.x || (b.x == a.x && (b.y < a.y || (b.y == a.y && b.z < a.z)));
+    let p = select(a, b, swap);
+    let q = select(b, a, swap);
+    let lp = length(p);
+    let lq = length(q);
+    return p + (q - p) * (lp / (lp + lq));
+}
