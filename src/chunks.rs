@@ -1,0 +1,313 @@
+//! From a mesh to chunks: at most 256 triangles over at most 256 vertices of their own, neighbours in space,
+//! with the closed pieces of the mesh found and turned outward.
+
+use crate::casters::{CasterMesh, Indices, Sides};
+use glam::{DVec3, Vec3};
+
+/// Most triangles and most vertices in a chunk: a corner of a triangle is then one byte.
+pub(crate) const CHUNK_SIZE: usize = 256;
+
+/// Axis-aligned box.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bounds {
+    pub(crate) min: Vec3,
+    pub(crate) max: Vec3,
+}
+
+impl Bounds {
+    pub(crate) const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    pub(crate) fn extend(&mut self, point: Vec3) {
+        self.min = self.min.min(point);
+        self.max = self.max.max(point);
+    }
+
+    pub(crate) fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Whether any point of the box is within `radius` of `centre`.
+    pub(crate) fn touches_sphere(&self, centre: Vec3, radius: f32) -> bool {
+        (centre.clamp(self.min, self.max)).distance_squared(centre) <= radius * radius
+    }
+}
+
+/// What the route may do with the triangles of a chunk that face away from the light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Culling {
+    /// They cast.
+    None,
+    /// They may be dropped when the light is outside the pieces' bounds: a front face is nearer.
+    Closed,
+    /// They never cast.
+    Always,
+}
+
+/// A chunk of a mesh, in the mesh's space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Chunk {
+    pub(crate) first_vertex: u32,
+    pub(crate) vertex_count: u32,
+    pub(crate) first_triangle: u32,
+    pub(crate) triangle_count: u32,
+    pub(crate) culling: Culling,
+    /// Bounds of all pieces that the chunk has triangles of.
+    pub(crate) pieces: Bounds,
+}
+
+/// A mesh cut into chunks.
+#[derive(Debug)]
+pub(crate) struct ChunkedMesh {
+    /// The chunks' vertices, one run a chunk.
+    pub(crate) positions: Vec<Vec3>,
+    /// A triangle's corners as places in its chunk's run of vertices: bits 0-7, 8-15, 16-23.
+    pub(crate) triangles: Vec<u32>,
+    pub(crate) chunks: Vec<Chunk>,
+    pub(crate) bounds: Bounds,
+}
+
+/// A triangle by its welded vertices, with what is known of the piece it belongs to.
+#[derive(Clone, Copy)]
+struct Triangle {
+    corners: [u32; 3],
+    centre: Vec3,
+    closed: bool,
+    piece: u32,
+}
+
+/// Cuts a mesh whose values have been checked. Triangles of no area are left out: they cast nothing.
+pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
+    let (positions, corners) = weld(mesh);
+    let mut triangles: Vec<Triangle> = corners
+        .into_iter()
+        .map(|c| Triangle {
+            corners: c,
+            centre: (positions[c[0] as usize] + positions[c[1] as usize] + positions[c[2] as usize]) / 3.0,
+            closed: false,
+            piece: 0,
+        })
+        .collect();
+    let pieces = if mesh.sides == Sides::Auto { find_closed_pieces(&positions, &mut triangles) } else { Vec::new() };
+
+    let mut cutter = Cutter {
+        positions: &positions,
+        pieces: &pieces,
+        always: mesh.sides == Sides::Front,
+        local: vec![u32::MAX; positions.len()],
+        out: ChunkedMesh { positions: Vec::new(), triangles: Vec::new(), chunks: Vec::new(), bounds: Bounds::EMPTY },
+    };
+    let split = closed_first(&mut triangles);
+    let (closed, open) = triangles.split_at_mut(split);
+    cutter.cut(closed);
+    cutter.cut(open);
+    for &position in &cutter.out.positions {
+        cutter.out.bounds.extend(position);
+    }
+    cutter.out
+}
+
+/// Puts the triangles of closed pieces first and returns their number.
+fn closed_first(triangles: &mut [Triangle]) -> usize {
+    triangles.sort_by_key(|t| !t.closed);
+    triangles.partition_point(|t| t.closed)
+}
+
+/// Positions without repetition, and the triangles of some area by them.
+fn weld(mesh: &CasterMesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    // Adding 0 makes -0 and 0 the same bits.
+    let key = |v: u32| (Vec3::from(mesh.positions[v as usize]) + 0.0).to_array().map(f32::to_bits);
+    let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    order.sort_unstable_by_key(|&v| (key(v), v));
+    let mut welded = vec![0u32; order.len()];
+    let mut positions: Vec<Vec3> = Vec::new();
+    let mut last = None;
+    for &v in &order {
+        let bits = key(v);
+        if last != Some(bits) {
+            positions.push(Vec3::from_array(bits.map(f32::from_bits)));
+            last = Some(bits);
+        }
+        welded[v as usize] = positions.len() as u32 - 1;
+    }
+    let triangle = |i: [u32; 3]| i.map(|v| welded[v as usize]);
+    let casts = |c: &[u32; 3]| {
+        let [a, b, c] = c.map(|v| positions[v as usize].as_dvec3());
+        (b - a).cross(c - a) != DVec3::ZERO
+    };
+    let corners = match mesh.indices {
+        Indices::U16(list) => {
+            list.as_chunks().0.iter().map(|i: &[u16; 3]| triangle(i.map(u32::from))).filter(casts).collect()
+        }
+        Indices::U32(list) => list.as_chunks().0.iter().map(|&i: &[u32; 3]| triangle(i)).filter(casts).collect(),
+    };
+    (positions, corners)
+}
+
+/// One direction of a triangle's edge.
+#[derive(Clone, Copy)]
+struct HalfEdge {
+    ends: [u32; 2],
+    reversed: bool,
+    triangle: u32,
+}
+
+fn half_edges(triangles: &[Triangle]) -> Vec<HalfEdge> {
+    let mut edges = Vec::with_capacity(triangles.len() * 3);
+    for (t, triangle) in triangles.iter().enumerate() {
+        let [a, b, c] = triangle.corners;
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            edges.push(HalfEdge {
+                ends: [from.min(to), from.max(to)],
+                reversed: from > to,
+                triangle: t as u32,
+            });
+        }
+    }
+    edges.sort_unstable_by_key(|e| e.ends);
+    edges
+}
+
+/// Finds the pieces that triangles connected by edges make, marks those of closed ones (every edge shared by
+/// two opposite half-edges) and turns them outward. Returns the bounds of every piece.
+fn find_closed_pieces(positions: &[Vec3], triangles: &mut [Triangle]) -> Vec<Bounds> {
+    let edges = half_edges(triangles);
+    let mut union = UnionFind::new(triangles.len());
+    for pair in edges.windows(2) {
+        if pair[0].ends == pair[1].ends {
+            union.join(pair[0].triangle, pair[1].triangle);
+        }
+    }
+    let mut closed = vec![true; triangles.len()];
+    for group in edges.chunk_by(|a, b| a.ends == b.ends) {
+        let opposite = group.len() == 2 && group[0].reversed != group[1].reversed;
+        if !opposite {
+            closed[union.find(group[0].triangle) as usize] = false;
+        }
+    }
+    let mut volumes = vec![0.0f64; triangles.len()];
+    let mut bounds = vec![Bounds::EMPTY; triangles.len()];
+    for t in 0..triangles.len() {
+        let piece = union.find(t as u32);
+        triangles[t].piece = piece;
+        let corners = triangles[t].corners.map(|v| positions[v as usize]);
+        for corner in corners {
+            bounds[piece as usize].extend(corner);
+        }
+        // Relative to a corner of the piece, so that a piece far from the origin keeps its sign.
+        let origin = positions[triangles[piece as usize].corners[0] as usize].as_dvec3();
+        let [a, b, c] = corners.map(|p| p.as_dvec3() - origin);
+        volumes[piece as usize] += a.dot(b.cross(c));
+    }
+    for triangle in triangles {
+        let volume = volumes[triangle.piece as usize];
+        triangle.closed = closed[triangle.piece as usize] && volume != 0.0;
+        if triangle.closed && volume < 0.0 {
+            triangle.corners.swap(1, 2);
+        }
+    }
+    bounds
+}
+
+struct UnionFind(Vec<u32>);
+
+impl UnionFind {
+    fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
+    fn find(&mut self, mut x: u32) -> u32 {
+        while self.0[x as usize] != x {
+            let parent = self.0[x as usize];
+            self.0[x as usize] = self.0[parent as usize];
+            x = parent;
+        }
+        x
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.find(a), self.find(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+struct Cutter<'a> {
+    positions: &'a [Vec3],
+    pieces: &'a [Bounds],
+    always: bool,
+    /// Welded vertex to its place in the chunk being made, or `u32::MAX`.
+    local: Vec<u32>,
+    out: ChunkedMesh,
+}
+
+impl Cutter<'_> {
+    /// Halves by the longest axis until what is left makes a chunk.
+    fn cut(&mut self, triangles: &mut [Triangle]) {
+        if triangles.is_empty() {
+            return;
+        }
+        if triangles.len() <= CHUNK_SIZE && self.emit(triangles) {
+            return;
+        }
+        let mut bounds = Bounds::EMPTY;
+        for triangle in &*triangles {
+            bounds.extend(triangle.centre);
+        }
+        let axis = (bounds.max - bounds.min).max_position();
+        // Whole chunks on the left keep the chunks full.
+        let middle = match triangles.len() {
+            n if n > CHUNK_SIZE => (n / 2).div_ceil(CHUNK_SIZE).clamp(1, (n - 1) / CHUNK_SIZE) * CHUNK_SIZE,
+            n => n / 2,
+        };
+        triangles.select_nth_unstable_by(middle, |a, b| a.centre[axis].total_cmp(&b.centre[axis]));
+        let (left, right) = triangles.split_at_mut(middle);
+        self.cut(left);
+        self.cut(right);
+    }
+
+    /// Makes a chunk, unless the triangles have too many vertices for one.
+    fn emit(&mut self, triangles: &mut [Triangle]) -> bool {
+        let first_vertex = self.out.positions.len();
+        let first_triangle = self.out.triangles.len();
+        let mut pieces = Bounds::EMPTY;
+        for triangle in &*triangles {
+            let mut packed = 0;
+            for (place, &vertex) in triangle.corners.iter().enumerate() {
+                let local = &mut self.local[vertex as usize];
+                if *local == u32::MAX {
+                    *local = (self.out.positions.len() - first_vertex) as u32;
+                    self.out.positions.push(self.positions[vertex as usize]);
+                }
+                packed |= (*local & 0xff) << (8 * place);
+            }
+            self.out.triangles.push(packed);
+            if let Some(bounds) = self.pieces.get(triangle.piece as usize) {
+                pieces = pieces.union(*bounds);
+            }
+        }
+        for triangle in &*triangles {
+            for vertex in triangle.corners {
+                self.local[vertex as usize] = u32::MAX;
+            }
+        }
+        let vertex_count = self.out.positions.len() - first_vertex;
+        if vertex_count > CHUNK_SIZE {
+            self.out.positions.truncate(first_vertex);
+            self.out.triangles.truncate(first_triangle);
+            return false;
+        }
+        let culling = match (self.always, triangles[0].closed) {
+            (true, _) => Culling::Always,
+            (false, true) => Culling::Closed,
+            (false, false) => Culling::None,
+        };
+        self.out.chunks.push(Chunk {
+            first_vertex: first_vertex as u32,
+            vertex_count: vertex_count as u32,
+            first_triangle: first_triangle as u32,
+            triangle_count: triangles.len() as u32,
+            culling,
+            pieces,
+        });
+        true
+    }
+}

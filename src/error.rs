@@ -1,0 +1,100 @@
+//! What can go wrong, each with the value that was wrong and what to do about it.
+
+/// Every error of the library. Whatever returns one has changed nothing.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A mesh without vertices or without triangles.
+    #[error("the mesh has {positions} positions and {indices} indices: a caster needs at least one triangle")]
+    EmptyMesh {
+        /// Number of positions given.
+        positions: usize,
+        /// Number of indices given.
+        indices: usize,
+    },
+    /// A list of indices that doesn't make whole triangles.
+    #[error("{count} indices are no whole number of triangles: give a triangle list, three indices a triangle")]
+    IndexCount {
+        /// Number of indices given.
+        count: usize,
+    },
+    /// An index that points behind the positions.
+    #[error("index {index} at place {place} is out of range: the mesh has {positions} positions")]
+    IndexOutOfRange {
+        /// The index.
+        index: u32,
+        /// Where it stands in the list.
+        place: usize,
+        /// Number of positions given.
+        positions: usize,
+    },
+    /// A position that is NaN or infinite.
+    #[error("position {vertex} is {value:?}: every coordinate must be finite")]
+    PositionNotFinite {
+        /// Number of the vertex.
+        vertex: usize,
+        /// Its position.
+        value: [f32; 3],
+    },
+    /// A transform with a NaN or infinite entry, or one that moves the mesh out of the range of `f32`.
+    #[error("the transform {value} takes the mesh to coordinates that aren't finite: check its scale and translation")]
+    TransformNotFinite {
+        /// The transform, printed.
+        value: String,
+    },
+    /// A handle whose mesh, instance or light was removed, or that another object gave out.
+    #[error("the {what} handle {handle} is stale: it was removed, or it belongs to another {owner}")]
+    StaleHandle {
+        /// What the handle is for.
+        what: &'static str,
+        /// The handle, printed.
+        handle: String,
+        /// The type that gives such handles out.
+        owner: &'static str,
+    },
+    /// A mesh that instances still use.
+    #[error("{instances} instances still use the mesh: remove them first")]
+    MeshInUse {
+        /// Number of instances.
+        instances: usize,
+    },
+    /// More casters than the device's buffers hold.
+    #[error(
+        "the casters' {what} would take {needed} bytes, and the device binds at most {limit}: request the device with \
+         a larger max_storage_buffer_binding_size and max_buffer_size, or add fewer triangles"
+    )]
+    CastersTooLarge {
+        /// Which buffer.
+        what: &'static str,
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes allowed.
+        limit: u64,
+    },
+    /// A light whose position, orientation, range or near distance makes no sense.
+    #[error("the light's {what} is {value}: {remedy}")]
+    InvalidLight {
+        /// Which field.
+        what: &'static str,
+        /// Its value, printed.
+        value: String,
+        /// What it has to be.
+        remedy: &'static str,
+    },
+    /// A descriptor's value that is out of range.
+    #[error("{what} is {value}: {remedy}")]
+    InvalidDescriptor {
+        /// Which field.
+        what: &'static str,
+        /// Its value, printed.
+        value: String,
+        /// What it has to be.
+        remedy: String,
+    },
+    /// No place for another light.
+    #[error("all {capacity} places are taken: remove a light, or create the shadows with a larger capacity")]
+    CapacityExceeded {
+        /// Number of places.
+        capacity: u32,
+    },
+}
