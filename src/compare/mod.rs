@@ -1,1 +1,3 @@
-//! Compare
+//! What the library is held against: a ray-cast reference, error figures, scenes. Feature `compare`.
+
+pub mod gpu;

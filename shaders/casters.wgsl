@@ -1,0 +1,43 @@
+// The casters' store as the stages read it; twin of the structs in src/casters.rs.
+
+// Where a chunk of an instance has its data.
+struct ChunkSource {
+    local_vertex: u32,
+    vertex: u32,
+    triangle: u32,
+    // Vertices in bits 0-8, triangles in bits 9-17, culling in bits 18-19.
+    counts: u32,
+    // Bounds, in the mesh's space, of the closed pieces that the chunk has triangles of.
+    pieces_min: vec3<f32>,
+    instance: u32,
+    pieces_max: vec3<f32>,
+    padding: u32,
+}
+
+// What the transform finds out about a chunk, in world space.
+struct ChunkBounds {
+    min: vec3<f32>,
+    // -1 where the instance mirrors its mesh, else 1.
+    handedness: f32,
+    max: vec3<f32>,
+    padding_0: u32,
+    pieces_min: vec3<f32>,
+    padding_1: u32,
+    pieces_max: vec3<f32>,
+    padding_2: u32,
+}
+
+const CULL_CLOSED: u32 = 1u;
+const CULL_ALWAYS: u32 = 2u;
+
+fn vertex_count(source: ChunkSource) -> u32 {
+    return source.counts & 0x1ffu;
+}
+
+fn triangle_count(source: ChunkSource) -> u32 {
+    return (source.counts >> 9u) & 0x1ffu;
+}
+
+fn culling(source: ChunkSource) -> u32 {
+    return (source.counts >> 18u) & 3u;
+}

@@ -1,0 +1,59 @@
+// Exact: triangles whose pieces found no room, drawn without splitting. A triangle seen from the light is a
+// cone of three planes and its depth a quadratic, so each texel can be asked directly; slow, and right.
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> lists: array<u32>;
+@group(0) @binding(2) var<storage, read> positions: array<f32>;
+
+override HEMISPHERE: u32 = 0u;
+
+struct Vertex {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat, either) a: vec3<f32>,
+    @location(1) @interpolate(flat, either) b: vec3<f32>,
+    @location(2) @interpolate(flat, either) c: vec3<f32>,
+}
+
+@vertex
+fn exact_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) place: u32) -> Vertex {
+    let at = 3u * (view.list_capacity * (HEMISPHERE + 1u) - 1u - place);
+    var result: Vertex;
+    // One triangle that covers the map; none for a triangle whose pieces all had room.
+    let covers = (lists[at] & OVERFLOW_FLAG) != 0u;
+    let corner = vec2<f32>(f32((vertex << 1u) & 2u), f32(vertex & 2u)) * 2.0 - 1.0;
+    result.position = select(vec4<f32>(), vec4<f32>(corner, 0.5, 1.0), covers);
+    result.a = hemisphere_position(lists[at]);
+    result.b = hemisphere_position(lists[at + 1u]);
+    result.c = hemisphere_position(lists[at + 2u]);
+    return result;
+}
+
+fn hemisphere_position(entry: u32) -> vec3<f32> {
+    let at = 3u * (entry & VERTEX_MASK);
+    let world = vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);
+    return dp_to_hemisphere(light_space(world - view.position), HEMISPHERE == 1u);
+}
+
+@fragment
+fn exact_fragment(vertex: Vertex) -> @builtin(frag_depth) f32 {
+    let centre = vec2<f32>((f32(HEMISPHERE) + 0.5) * view.resolution, 0.5 * view.resolution);
+    let p = (vertex.position.xy - centre) * vec2<f32>(1.0, -1.0) / view.texels;
+    let q = dp_unproject_scaled(p);
+    let normal = cross(vertex.b - vertex.a, vertex.c - vertex.a);
+    let plane_distance = dot(normal, vertex.a);
+    // Neighbours may be drawn by chords, so the edges reach as far out as a chord may miss.
+    let reach = length(q) * dp_texel_angle(p, 1.0 / view.texels) * view.tolerance;
+    let inside = sign(plane_distance) * edge_distance(vertex.a, vertex.b, q) >= -reach
+        && sign(plane_distance) * edge_distance(vertex.b, vertex.c, q) >= -reach
+        && sign(plane_distance) * edge_distance(vertex.c, vertex.a, q) >= -reach;
+    let depth = dp_plane_depth(normal, plane_distance, p, view.near);
+    if !(inside && depth > 0.0 && depth <= 1.0) {
+        discard;
+    }
+    return depth;
+}
+
+// Distance of `q` from the plane through the light and an edge.
+fn edge_distance(a: vec3<f32>, b: vec3<f32>, q: vec3<f32>) -> f32 {
+    return dot(normalize(cross(a, b)), q);
+}

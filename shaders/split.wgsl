@@ -1,0 +1,228 @@
+// Split: cuts triangles whose edges bend too much in the map until no chord misses its arc by more than the
+// tolerance. A workgroup works on a stack of pieces in its own memory; an edge is cut where the bisector of
+// its angle at the light meets it, and whether it is cut depends on its two ends alone.
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read_write> arguments: Arguments;
+@group(0) @binding(2) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(3) var<storage, read> positions: array<f32>;
+// Corners relative to the light, nine numbers a piece; a part for each hemisphere.
+@group(0) @binding(4) var<storage, read_write> pieces: array<f32>;
+
+const THREADS: u32 = 64u;
+const STACK: u32 = 384u;
+// Cuts from a triangle to its smallest piece. Each halves the angle of an edge, so 12 would do; the rest is
+// for edges that come out of a cut longer than they would need.
+const MOST_LEVELS: u32 = 24u;
+// Room to finish one piece at a time, depth first, when the stack is nearly full.
+const RESERVE: u32 = 3u * MOST_LEVELS;
+
+struct Piece {
+    a: vec3<f32>,
+    b: vec3<f32>,
+    c: vec3<f32>,
+    // Bits 0-21 the place in the list, 22-23 the cull flags, 24-26 the edges of a whole triangle, 27-31 the level.
+    info: u32,
+}
+
+var<workgroup> stack: array<array<f32, 9>, STACK>;
+var<workgroup> stack_info: array<u32, STACK>;
+var<workgroup> stack_size: atomic<u32>;
+var<workgroup> size: u32;
+var<workgroup> leaf_count: atomic<u32>;
+var<workgroup> leaf_base: u32;
+
+@compute @workgroup_size(64)
+fn split(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let hemisphere = group.y;
+    if thread == 0u {
+        atomicStore(&stack_size, 0u);
+        size = atomicLoad(&arguments.to_split[hemisphere]);
+    }
+    let count = workgroupUniformLoad(&size);
+    for (var first = group.x; first < count; first += groups.x * THREADS) {
+        let place = first + thread * groups.x;
+        if place < count {
+            push(whole_triangle(hemisphere, place));
+        }
+        // Every cut halves an edge's angle and every piece is cut at most MOST_LEVELS times, so this ends.
+        loop {
+            workgroupBarrier();
+            if thread == 0u {
+                size = atomicLoad(&stack_size);
+                atomicStore(&leaf_count, 0u);
+            }
+            let on_stack = workgroupUniformLoad(&size);
+            if on_stack == 0u {
+                break;
+            }
+            work(hemisphere, thread, on_stack);
+        }
+    }
+}
+
+// Takes as many pieces off the stack as their children surely have room for, and cuts or writes each.
+fn work(hemisphere: u32, thread: u32, on_stack: u32) {
+    let room = (STACK - RESERVE - min(on_stack, STACK - RESERVE)) / 3u;
+    let taken = min(min(on_stack, THREADS), max(room, 1u));
+    let active = thread < taken;
+    var piece: Piece;
+    if active {
+        piece = read_stack(on_stack - 1u - thread);
+    }
+    workgroupBarrier();
+    if thread == 0u {
+        atomicStore(&stack_size, on_stack - taken);
+    }
+    workgroupBarrier();
+    var leaf = false;
+    var place = 0u;
+    if active {
+        leaf = cut(piece, hemisphere);
+    }
+    if leaf {
+        place = atomicAdd(&leaf_count, 1u);
+    }
+    workgroupBarrier();
+    if thread == 0u {
+        leaf_base = reserve(hemisphere, atomicLoad(&leaf_count));
+    }
+    let base = workgroupUniformLoad(&leaf_base);
+    if leaf {
+        write_leaf(hemisphere, base, place, piece);
+    }
+}
+
+fn read_stack(at: u32) -> Piece {
+    return Piece(
+        vec3<f32>(stack[at][0], stack[at][1], stack[at][2]),
+        vec3<f32>(stack[at][3], stack[at][4], stack[at][5]),
+        vec3<f32>(stack[at][6], stack[at][7], stack[at][8]),
+        stack_info[at],
+    );
+}
+
+fn push(piece: Piece) {
+    let at = atomicAdd(&stack_size, 1u);
+    stack[at] = corner_list(piece);
+    stack_info[at] = piece.info;
+}
+
+fn corner_list(p: Piece) -> array<f32, 9> {
+    return array<f32, 9>(p.a.x, p.a.y, p.a.z, p.b.x, p.b.y, p.b.z, p.c.x, p.c.y, p.c.z);
+}
+
+fn list_place(hemisphere: u32, place: u32) -> u32 {
+    return 3u * (view.list_capacity * (hemisphere + 1u) - 1u - place);
+}
+
+fn whole_triangle(hemisphere: u32, place: u32) -> Piece {
+    let at = list_place(hemisphere, place);
+    let a = lists[at];
+    let b = lists[at + 1u];
+    let c = lists[at + 2u];
+    let edges = (a >> 31u) | ((b >> 31u) << 1u) | ((c >> 31u) << 2u);
+    let culls = select(0u, 1u, (b & CULL_FLAG) != 0u) | select(0u, 2u, (c & CULL_FLAG) != 0u);
+    return Piece(
+        relative_position(a & VERTEX_MASK),
+        relative_position(b & VERTEX_MASK),
+        relative_position(c & VERTEX_MASK),
+        place | (culls << 22u) | (edges << 24u),
+    );
+}
+
+fn relative_position(vertex: u32) -> vec3<f32> {
+    let at = 3u * vertex;
+    return vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]) - view.position;
+}
+
+fn corner(relative: vec3<f32>, hemisphere: u32) -> vec3<f32> {
+    return project_corner(dp_to_hemisphere(light_space(relative), hemisphere == 1u));
+}
+
+// Pushes the parts of a piece, or returns true if it is to be drawn as it is.
+fn cut(piece: Piece, hemisphere: u32) -> bool {
+    let a = corner(piece.a, hemisphere);
+    let b = corner(piece.b, hemisphere);
+    let c = corner(piece.c, hemisphere);
+    // A triangle with a corner in the light itself is seen edge-on and covers nothing.
+    let through_light = all(piece.a == vec3<f32>()) || all(piece.b == vec3<f32>()) || all(piece.c == vec3<f32>());
+    if through_light || is_outside(a, b, c) {
+        return false;
+    }
+    let level = piece.info >> 27u;
+    var edges = (piece.info >> 24u) & 7u;
+    if level > 0u {
+        edges = edges_to_split(a.xy, b.xy, c.xy);
+    }
+    if edges == 0u || level == MOST_LEVELS {
+        let cull = select(0.0, 1.0, (piece.info & (1u << 22u)) != 0u) - select(0.0, 1.0, (piece.info & (2u << 22u)) != 0u);
+        return !(is_culled(a.xy, b.xy, c.xy, cull) || (REJECT && is_between_texels(a.xy, b.xy, c.xy)));
+    }
+    push_parts(piece, edges);
+    return false;
+}
+
+fn push_parts(piece: Piece, edges: u32) {
+    // Turned so that the first edge is cut, and the second too if two are.
+    var a = piece.a;
+    var b = piece.b;
+    var c = piece.c;
+    if edges == 2u || edges == 6u {
+        a = piece.b;
+        b = piece.c;
+        c = piece.a;
+    } else if edges == 4u || edges == 5u {
+        a = piece.c;
+        b = piece.a;
+        c = piece.b;
+    }
+    let info = (piece.info & 0xffffffu) | (((piece.info >> 27u) + 1u) << 27u);
+    let ab = dp_bisect(a, b);
+    if countOneBits(edges) == 1u {
+        push(Piece(a, ab, c, info));
+        push(Piece(ab, b, c, info));
+        return;
+    }
+    let bc = dp_bisect(b, c);
+    push(Piece(ab, b, bc, info));
+    if countOneBits(edges) == 2u {
+        push(Piece(a, ab, bc, info));
+        push(Piece(a, bc, c, info));
+        return;
+    }
+    let ca = dp_bisect(c, a);
+    push(Piece(a, ab, ca, info));
+    push(Piece(ab, bc, ca, info));
+    push(Piece(ca, bc, c, info));
+}
+
+// Room for `count` pieces: where they go. Pieces from the capacity on have no room.
+fn reserve(hemisphere: u32, count: u32) -> u32 {
+    let base = atomicAdd(&arguments.pieces_wanted[hemisphere], count);
+    atomicMax(&arguments.pieces[hemisphere].vertex_count, 3u * min(base + count, view.piece_capacity));
+    return base;
+}
+
+fn write_leaf(hemisphere: u32, base: u32, place: u32, piece: Piece) {
+    if base + place >= view.piece_capacity {
+        mark_overflow(hemisphere, piece.info & 0x3fffffu);
+        return;
+    }
+    let at = 9u * (view.piece_capacity * hemisphere + base + place);
+    let values = corner_list(piece);
+    for (var i = 0u; i < 9u; i += 1u) {
+        pieces[at + i] = values[i];
+    }
+}
+
+// The whole triangle is drawn exactly, besides the pieces of it that had room.
+fn mark_overflow(hemisphere: u32, place: u32) {
+    lists[list_place(hemisphere, place)] |= OVERFLOW_FLAG;
+    atomicMax(&arguments.exact[hemisphere].vertex_count, 3u);
+    atomicMax(&arguments.exact[hemisphere].instance_count, place + 1u);
+}

@@ -1,0 +1,80 @@
+// Transform: the chunks of moved instances, from their meshes' space to world space, with their bounds.
+// One workgroup a chunk.
+
+@group(0) @binding(0) var<storage, read> local_positions: array<f32>;
+@group(0) @binding(1) var<storage, read_write> positions: array<f32>;
+@group(0) @binding(2) var<storage, read> chunk_sources: array<ChunkSource>;
+@group(0) @binding(3) var<storage, read_write> chunk_bounds: array<ChunkBounds>;
+// Three rows a matrix.
+@group(0) @binding(4) var<storage, read> transforms: array<vec4<f32>>;
+// The number of chunks, then the chunks.
+@group(0) @binding(5) var<storage, read> jobs: array<u32>;
+
+const THREADS: u32 = 64u;
+
+var<workgroup> lowest: array<vec3<f32>, THREADS>;
+var<workgroup> highest: array<vec3<f32>, THREADS>;
+
+@compute @workgroup_size(64)
+fn transform(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    for (var job = group.x; job < jobs[0]; job += groups.x) {
+        transform_chunk(jobs[1u + job], thread);
+        workgroupBarrier();
+    }
+}
+
+fn transform_chunk(chunk: u32, thread: u32) {
+    let source = chunk_sources[chunk];
+    let row_x = transforms[3u * source.instance];
+    let row_y = transforms[3u * source.instance + 1u];
+    let row_z = transforms[3u * source.instance + 2u];
+    var low = vec3<f32>(3.4e38);
+    var high = vec3<f32>(-3.4e38);
+    for (var v = thread; v < vertex_count(source); v += THREADS) {
+        let from = 3u * (source.local_vertex + v);
+        let local = vec4<f32>(local_positions[from], local_positions[from + 1u], local_positions[from + 2u], 1.0);
+        let world = vec3<f32>(dot(row_x, local), dot(row_y, local), dot(row_z, local));
+        let to = 3u * (source.vertex + v);
+        positions[to] = world.x;
+        positions[to + 1u] = world.y;
+        positions[to + 2u] = world.z;
+        low = min(low, world);
+        high = max(high, world);
+    }
+    lowest[thread] = low;
+    highest[thread] = high;
+    workgroupBarrier();
+    for (var half = THREADS / 2u; half > 0u; half /= 2u) {
+        if thread < half {
+            lowest[thread] = min(lowest[thread], lowest[thread + half]);
+            highest[thread] = max(highest[thread], highest[thread + half]);
+        }
+        workgroupBarrier();
+    }
+    if thread == 0u {
+        let centre = vec4<f32>((source.pieces_min + source.pieces_max) * 0.5, 1.0);
+        let extent = (source.pieces_max - source.pieces_min) * 0.5;
+        let middle = vec3<f32>(dot(row_x, centre), dot(row_y, centre), dot(row_z, centre));
+        let reach = vec3<f32>(
+            dot(abs(row_x.xyz), extent),
+            dot(abs(row_y.xyz), extent),
+            dot(abs(row_z.xyz), extent),
+        );
+        // Wider than exact, since the box of the pieces is transformed and not the pieces.
+        let slack = 1e-5 * (abs(middle) + reach);
+        chunk_bounds[chunk] = ChunkBounds(
+            lowest[0],
+            sign(dot(row_x.xyz, cross(row_y.xyz, row_z.xyz))),
+            highest[0],
+            0u,
+            middle - reach - slack,
+            0u,
+            middle + reach + slack,
+            0u,
+        );
+    }
+}

@@ -1,0 +1,118 @@
+// One light as the stages see it, and the layout of what they hand on; twins in src/view.rs.
+
+struct View {
+    // Rows of the rotation from world to light space.
+    right: vec3<f32>,
+    near: f32,
+    up: vec3<f32>,
+    range: f32,
+    forward: vec3<f32>,
+    // Texels per unit of map coordinates.
+    texels: f32,
+    position: vec3<f32>,
+    // Largest sagitta of a chord, in texels.
+    tolerance: f32,
+    // Texels across one map.
+    resolution: f32,
+    // A direction is behind a hemisphere when its z is below this.
+    behind: f32,
+    // Bit 0 the front, bit 1 the back.
+    hemispheres: u32,
+    first_chunk: u32,
+    end_chunk: u32,
+    // Triangles that a hemisphere's part of the lists has room for.
+    list_capacity: u32,
+    // Pieces that a hemisphere's part of the pieces has room for.
+    piece_capacity: u32,
+    padding: u32,
+}
+
+// Arguments of the indirect draws, and the counters they come from. Index 0 is the front, 1 the back.
+struct DrawIndexed {
+    index_count: atomic<u32>,
+    instance_count: u32,
+    first_index: u32,
+    base_vertex: u32,
+    first_instance: u32,
+}
+
+struct Draw {
+    vertex_count: atomic<u32>,
+    instance_count: atomic<u32>,
+    first_vertex: u32,
+    first_instance: u32,
+}
+
+struct Arguments {
+    whole: array<DrawIndexed, 2>,
+    pieces: array<Draw, 2>,
+    // Triangles whose pieces found no room, drawn exactly, one instance each.
+    exact: array<Draw, 2>,
+    // Triangles that have to be split.
+    to_split: array<atomic<u32>, 2>,
+    // Pieces that the split made, whether there was room or not.
+    pieces_wanted: array<atomic<u32>, 2>,
+}
+
+// An entry of the lists is three vertices. The upper bits of those that have to be split say:
+const VERTEX_MASK: u32 = 0x3fffffffu;
+// this edge (from this vertex to the next) is above the tolerance,
+const EDGE_FLAG: u32 = 0x80000000u;
+// on the first vertex: some of the pieces found no room,
+const OVERFLOW_FLAG: u32 = 0x40000000u;
+// on the second and the third: pieces of positive or of negative area in the map face away and don't cast.
+const CULL_FLAG: u32 = 0x40000000u;
+
+// Rejecting what can't change the map; off only to prove that it can't.
+override REJECT: bool = true;
+
+// Room for the rasteriser's snapping to 1/256 texel, for its arithmetic, and for ours.
+fn raster_margin(view_resolution: f32) -> f32 {
+    return 0.0078125 + view_resolution * 1e-6;
+}
+
+fn light_space(relative: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(dot(view.right, relative), dot(view.up, relative), dot(view.forward, relative));
+}
+
+// A vertex as the tests below need it: map coordinates, then w, negative if the vertex is behind.
+fn project_corner(x: vec3<f32>) -> vec3<f32> {
+    let w = dp_homogeneous_w(x);
+    let behind = x.z < view.behind * length(x);
+    return vec3<f32>(dp_project(x), select(w, -max(w, 1e-30), behind));
+}
+
+// Bit i: the edge from corner i to the next has to be split.
+fn edges_to_split(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> u32 {
+    return select(0u, 1u, dp_edge_needs_split(a, b, view.texels, view.tolerance))
+        | select(0u, 2u, dp_edge_needs_split(b, c, view.texels, view.tolerance))
+        | select(0u, 4u, dp_edge_needs_split(c, a, view.texels, view.tolerance));
+}
+
+// Whether a triangle, given by its signed-w corners, is out of the hemisphere or in front of the near limit.
+fn is_outside(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> bool {
+    let behind = max(a.z, max(b.z, c.z)) < 0.0;
+    let clipped = max(abs(a.z), max(abs(b.z), abs(c.z))) <= view.near;
+    return behind || clipped;
+}
+
+// Whether the triangle that the hardware would draw covers no texel's centre.
+fn is_between_texels(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> bool {
+    let half = 0.5 * view.resolution - 0.5;
+    let low = min(a, min(b, c)) * view.texels + half;
+    let high = max(a, max(b, c)) * view.texels + half;
+    let margin = raster_margin(view.resolution);
+    let first = ceil(low - margin);
+    let last = floor(high + margin);
+    return last.x < first.x || last.y < first.y;
+}
+
+// Whether the drawn triangle surely has the culled orientation; `cull` is the area's sign that doesn't cast.
+fn is_culled(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, cull: f32) -> bool {
+    let e = (b - a) * view.texels;
+    let f = (c - a) * view.texels;
+    let g = f - e;
+    let area = e.x * f.y - e.y * f.x;
+    let longest = sqrt(max(dot(e, e), max(dot(f, f), dot(g, g))));
+    return area * cull > longest * raster_margin(view.resolution) * 2.0;
+}

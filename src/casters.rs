@@ -1,0 +1,497 @@
+//! The shadow casters: every triangle that may throw a shadow, in world space on the GPU.
+//!
+//! A mesh is cut into chunks once, when it is added. An instance of it owns a copy of the chunks' vertices in
+//! world space; when it moves, its vertices and bounds are computed anew on the GPU, and only its own.
+
+use crate::Error;
+use crate::arena::Arena;
+use crate::chunks::{self, Bounds, Chunk, Culling};
+use crate::ranges::Ranges;
+use crate::slots::{Handle, Slots};
+use crate::transform::Transform;
+use glam::{Affine3A, Vec3};
+use std::collections::VecDeque;
+
+/// A list of triangles' corners.
+#[derive(Debug, Clone, Copy)]
+pub enum Indices<'a> {
+    /// 16 bits an index.
+    U16(&'a [u16]),
+    /// 32 bits an index.
+    U32(&'a [u32]),
+}
+
+impl Indices<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Self::U16(list) => list.len(),
+            Self::U32(list) => list.len(),
+        }
+    }
+
+    fn get(&self, place: usize) -> u32 {
+        match self {
+            Self::U16(list) => u32::from(list[place]),
+            Self::U32(list) => list[place],
+        }
+    }
+}
+
+/// Which sides of a mesh's triangles throw shadows. A front face is counter-clockwise as seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sides {
+    /// Both. Closed connected pieces are found, and their back faces left out where that can't change the map:
+    /// a front face is nearer to a light outside.
+    #[default]
+    Auto,
+    /// Both, without looking for closed pieces: adding the mesh takes less time.
+    Both,
+    /// Front faces only, as engines cull for single-sided materials. Back faces never throw shadows.
+    Front,
+}
+
+/// A mesh to cast shadows, in its own space.
+#[derive(Debug, Clone, Copy)]
+pub struct CasterMesh<'a> {
+    /// Vertices; finite.
+    pub positions: &'a [[f32; 3]],
+    /// Triangle list: a multiple of three indices into `positions`.
+    pub indices: Indices<'a>,
+    /// Which sides cast.
+    pub sides: Sides,
+}
+
+/// Handle of a mesh in the [`Casters`] that gave it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct MeshId(Handle);
+
+/// Handle of an instance in the [`Casters`] that gave it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct InstanceId(Handle);
+
+#[derive(Debug)]
+struct Mesh {
+    first_position: u32,
+    position_count: u32,
+    first_triangle: u32,
+    triangle_count: u32,
+    chunks: Vec<Chunk>,
+    bounds: Bounds,
+    instances: usize,
+}
+
+#[derive(Debug)]
+struct Instance {
+    mesh: Handle,
+    first_vertex: u32,
+    first_chunk: u32,
+    bounds: Bounds,
+    moved: bool,
+}
+
+/// A chunk of an instance as the shaders read it: where its data lies.
+/// Twin of `ChunkSource` in `shaders/casters.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct ChunkSource {
+    /// First vertex of the chunk in the mesh's own space.
+    pub(crate) local_vertex: u32,
+    /// First vertex in world space.
+    pub(crate) vertex: u32,
+    pub(crate) triangle: u32,
+    /// Vertices in bits 0-8, triangles in bits 9-17, culling in bits 18-19.
+    pub(crate) counts: u32,
+    pub(crate) pieces_min: Vec3,
+    pub(crate) instance: u32,
+    pub(crate) pieces_max: Vec3,
+    pub(crate) padding: u32,
+}
+
+/// What moved, came or went: the bounds before and after, whichever there were.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Change {
+    pub(crate) before: Option<Bounds>,
+    pub(crate) after: Option<Bounds>,
+}
+
+/// Changes remembered for lights that weren't recorded since; past that, every light counts as touched.
+const REMEMBERED_CHANGES: usize = 1 << 16;
+
+/// Bytes of `ChunkBounds` in `shaders/casters.wgsl`.
+const CHUNK_BOUNDS_SIZE: u64 = 64;
+
+/// The shadow casters of a scene. Shared by any number of [`PointShadows`](crate::PointShadows).
+///
+/// Adding, moving and removing only notes what to do; the next
+/// [`PointShadows::record`](crate::PointShadows::record) does it on the GPU.
+#[derive(Debug)]
+pub struct Casters {
+    meshes: Slots<Mesh>,
+    instances: Slots<Instance>,
+    position_ranges: Ranges,
+    triangle_ranges: Ranges,
+    vertex_ranges: Ranges,
+    chunk_ranges: Ranges,
+    triangle_count: u64,
+    moved: Vec<Handle>,
+    changes: VecDeque<Change>,
+    first_change: u64,
+    pub(crate) local_positions: Arena,
+    pub(crate) triangles: Arena,
+    pub(crate) positions: Arena,
+    pub(crate) chunk_sources: Arena,
+    pub(crate) chunk_bounds: Arena,
+    pub(crate) transforms: Arena,
+    transform: Transform,
+}
+
+impl Casters {
+    /// Creates an empty store. Its buffers grow as casters come and shrink as they go.
+    #[must_use]
+    pub fn new(device: &wgpu::Device) -> Self {
+        let storage = wgpu::BufferUsages::STORAGE;
+        let arena = |what, stride, extra| Arena::new(device, what, stride, storage | extra);
+        Self {
+            meshes: Slots::new("mesh", "Casters"),
+            instances: Slots::new("instance", "Casters"),
+            position_ranges: Ranges::default(),
+            triangle_ranges: Ranges::default(),
+            vertex_ranges: Ranges::default(),
+            chunk_ranges: Ranges::default(),
+            triangle_count: 0,
+            moved: Vec::new(),
+            changes: VecDeque::new(),
+            first_change: 0,
+            local_positions: arena("mesh positions", 12, wgpu::BufferUsages::empty()),
+            triangles: arena("triangles", 4, wgpu::BufferUsages::empty()),
+            positions: arena("positions", 12, wgpu::BufferUsages::VERTEX),
+            chunk_sources: arena("chunks", size_of::<ChunkSource>() as u64, wgpu::BufferUsages::empty()),
+            chunk_bounds: arena("chunk bounds", CHUNK_BOUNDS_SIZE, wgpu::BufferUsages::empty()),
+            transforms: arena("transforms", 48, wgpu::BufferUsages::empty()),
+            transform: Transform::new(device),
+        }
+    }
+
+    /// Triangles of all instances together, without those of no area.
+    #[must_use]
+    pub fn triangle_count(&self) -> u64 {
+        self.triangle_count
+    }
+
+    /// Bytes that the casters take on the GPU.
+    #[must_use]
+    pub fn memory(&self) -> u64 {
+        self.arenas().iter().map(|arena| arena.size()).sum()
+    }
+
+    fn arenas(&self) -> [&Arena; 6] {
+        [
+            &self.local_positions,
+            &self.triangles,
+            &self.positions,
+            &self.chunk_sources,
+            &self.chunk_bounds,
+            &self.transforms,
+        ]
+    }
+
+    /// Adds a mesh; it casts once it has instances. Takes time in proportion to its triangles: they are welded by
+    /// exact position and cut into chunks, and with [`Sides::Auto`] closed pieces are looked for.
+    /// Triangles of no area are left out.
+    ///
+    /// # Errors
+    /// [`Error::EmptyMesh`], [`Error::IndexCount`], [`Error::IndexOutOfRange`] or [`Error::PositionNotFinite`] for
+    /// wrong input, [`Error::CastersTooLarge`] if the device can't bind that much.
+    pub fn add_mesh(&mut self, mesh: &CasterMesh) -> Result<MeshId, Error> {
+        validate(mesh)?;
+        let cut = chunks::cut(mesh);
+        let (positions, triangles) = (cut.positions.len() as u32, cut.triangles.len() as u32);
+        self.local_positions.check(self.position_ranges.end_after(positions))?;
+        self.triangles.check(self.triangle_ranges.end_after(triangles))?;
+        let first_position = self.position_ranges.allocate(positions);
+        let first_triangle = self.triangle_ranges.allocate(triangles);
+        self.local_positions
+            .write(first_position, bytemuck::cast_slice(&cut.positions));
+        self.triangles
+            .write(first_triangle, bytemuck::cast_slice(&cut.triangles));
+        let mesh = Mesh {
+            first_position,
+            position_count: positions,
+            first_triangle,
+            triangle_count: triangles,
+            chunks: cut.chunks,
+            bounds: cut.bounds,
+            instances: 0,
+        };
+        Ok(MeshId(self.meshes.insert(mesh)))
+    }
+
+    /// Removes a mesh that no instance uses any more.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`], or [`Error::MeshInUse`] while it has instances.
+    pub fn remove_mesh(&mut self, id: MeshId) -> Result<(), Error> {
+        let mesh = self.meshes.get_mut(id.0)?;
+        if mesh.instances > 0 {
+            return Err(Error::MeshInUse {
+                instances: mesh.instances,
+            });
+        }
+        self.position_ranges.release(mesh.first_position, mesh.position_count);
+        self.triangle_ranges.release(mesh.first_triangle, mesh.triangle_count);
+        self.meshes.remove(id.0)?;
+        Ok(())
+    }
+
+    /// Adds an instance of a mesh; `transform` takes the mesh's space to world space and may mirror, shear and
+    /// scale differently by axis.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`], [`Error::TransformNotFinite`], or [`Error::CastersTooLarge`] if the device can't
+    /// bind that much.
+    pub fn add_instance(&mut self, mesh: MeshId, transform: Affine3A) -> Result<InstanceId, Error> {
+        let entry = self.meshes.get_mut(mesh.0)?;
+        let bounds = transformed(&entry.bounds, &transform)?;
+        let chunk_count = entry.chunks.len() as u32;
+        self.positions
+            .check(self.vertex_ranges.end_after(entry.position_count))?;
+        self.chunk_bounds.check(self.chunk_ranges.end_after(chunk_count))?;
+        entry.instances += 1;
+        let first_vertex = self.vertex_ranges.allocate(entry.position_count);
+        let first_chunk = self.chunk_ranges.allocate(chunk_count);
+        self.triangle_count += u64::from(entry.triangle_count);
+        let instance = Instance {
+            mesh: mesh.0,
+            first_vertex,
+            first_chunk,
+            bounds,
+            moved: true,
+        };
+        let handle = self.instances.insert(instance);
+        let entry = self.meshes.get_mut(mesh.0)?;
+        let sources: Vec<ChunkSource> = entry
+            .chunks
+            .iter()
+            .map(|chunk| chunk_source(entry, chunk, first_vertex, handle.slot))
+            .collect();
+        self.chunk_sources.write(first_chunk, bytemuck::cast_slice(&sources));
+        self.transforms
+            .write(handle.slot, bytemuck::cast_slice(&rows(&transform)));
+        self.moved.push(handle);
+        self.note(Change {
+            before: None,
+            after: Some(bounds),
+        });
+        Ok(InstanceId(handle))
+    }
+
+    /// Moves an instance.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`] or [`Error::TransformNotFinite`].
+    pub fn set_transform(&mut self, id: InstanceId, transform: Affine3A) -> Result<(), Error> {
+        let instance = self.instances.get_mut(id.0)?;
+        let mesh = self.meshes.get_mut(instance.mesh)?;
+        let bounds = transformed(&mesh.bounds, &transform)?;
+        let before = std::mem::replace(&mut instance.bounds, bounds);
+        if !std::mem::replace(&mut instance.moved, true) {
+            self.moved.push(id.0);
+        }
+        self.transforms
+            .write(id.0.slot, bytemuck::cast_slice(&rows(&transform)));
+        self.note(Change {
+            before: Some(before),
+            after: Some(bounds),
+        });
+        Ok(())
+    }
+
+    /// Removes an instance.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`].
+    pub fn remove_instance(&mut self, id: InstanceId) -> Result<(), Error> {
+        let instance = self.instances.get_mut(id.0)?;
+        let (first_vertex, first_chunk, bounds) = (instance.first_vertex, instance.first_chunk, instance.bounds);
+        let mesh = self.meshes.get_mut(instance.mesh)?;
+        let chunk_count = mesh.chunks.len() as u32;
+        mesh.instances -= 1;
+        self.triangle_count -= u64::from(mesh.triangle_count);
+        self.vertex_ranges.release(first_vertex, mesh.position_count);
+        self.chunk_ranges.release(first_chunk, chunk_count);
+        let none: ChunkSource = bytemuck::Zeroable::zeroed();
+        self.chunk_sources
+            .write(first_chunk, bytemuck::cast_slice(&vec![none; chunk_count as usize]));
+        self.instances.remove(id.0)?;
+        self.note(Change {
+            before: Some(bounds),
+            after: None,
+        });
+        Ok(())
+    }
+
+    fn note(&mut self, change: Change) {
+        if self.changes.len() == REMEMBERED_CHANGES {
+            self.first_change += self.changes.len() as u64;
+            self.changes.clear();
+        }
+        self.changes.push_back(change);
+    }
+
+    /// Number of changes since the store was made.
+    pub(crate) fn change_count(&self) -> u64 {
+        self.first_change + self.changes.len() as u64
+    }
+
+    /// The changes after the first `seen`, or `None` if they aren't remembered any more.
+    pub(crate) fn changes_since(&self, seen: u64) -> Option<impl Iterator<Item = &Change>> {
+        let skip = seen.checked_sub(self.first_change)?;
+        Some(self.changes.iter().skip(usize::try_from(skip).ok()?))
+    }
+
+    /// Identifies this store among all.
+    pub(crate) fn owner(&self) -> u32 {
+        self.instances.owner()
+    }
+
+    /// Chunks in the store, unused ones between used ones included.
+    pub(crate) fn chunk_count(&self) -> u32 {
+        self.chunk_ranges.end()
+    }
+
+    /// Changes whenever a buffer was replaced, so that bind groups have to be made anew.
+    pub(crate) fn generation(&self) -> u64 {
+        self.arenas().iter().map(|arena| arena.generation()).sum()
+    }
+
+    /// Brings the GPU's copy up to date: grows or shrinks buffers, writes what was added, transforms what moved.
+    pub(crate) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
+        let (positions, triangles) = (self.position_ranges.end(), self.triangle_ranges.end());
+        let (vertices, chunks) = (self.vertex_ranges.end(), self.chunk_ranges.end());
+        let slots = self.instances.len();
+        self.local_positions.update(device, queue, encoder, positions);
+        self.triangles.update(device, queue, encoder, triangles);
+        self.positions.update(device, queue, encoder, vertices);
+        self.chunk_sources.update(device, queue, encoder, chunks);
+        self.chunk_bounds.update(device, queue, encoder, chunks);
+        self.transforms.update(device, queue, encoder, slots);
+        let jobs = self.take_moved_chunks();
+        if !jobs.is_empty() {
+            let arenas = [
+                &self.local_positions,
+                &self.positions,
+                &self.chunk_sources,
+                &self.chunk_bounds,
+                &self.transforms,
+            ];
+            self.transform.record(device, encoder, arenas.map(Arena::buffer), &jobs);
+        }
+    }
+
+    fn take_moved_chunks(&mut self) -> Vec<u32> {
+        let mut jobs = Vec::new();
+        for handle in std::mem::take(&mut self.moved) {
+            let Ok(instance) = self.instances.get_mut(handle) else {
+                continue;
+            };
+            instance.moved = false;
+            let first = instance.first_chunk;
+            let Ok(mesh) = self.meshes.get_mut(instance.mesh) else {
+                continue;
+            };
+            jobs.extend(first..first + mesh.chunks.len() as u32);
+        }
+        jobs
+    }
+}
+
+fn validate(mesh: &CasterMesh) -> Result<(), Error> {
+    let (positions, indices) = (mesh.positions.len(), mesh.indices.len());
+    if positions == 0 || indices == 0 {
+        return Err(Error::EmptyMesh { positions, indices });
+    }
+    if indices % 3 != 0 {
+        return Err(Error::IndexCount { count: indices });
+    }
+    for place in 0..indices {
+        let index = mesh.indices.get(place);
+        if index as usize >= positions {
+            return Err(Error::IndexOutOfRange {
+                index,
+                place,
+                positions,
+            });
+        }
+    }
+    match mesh.positions.iter().position(|p| !Vec3::from(*p).is_finite()) {
+        Some(vertex) => Err(Error::PositionNotFinite {
+            vertex,
+            value: mesh.positions[vertex],
+        }),
+        None => Ok(()),
+    }
+}
+
+fn chunk_source(mesh: &Mesh, chunk: &Chunk, first_vertex: u32, instance: u32) -> ChunkSource {
+    let culling = match chunk.culling {
+        Culling::None => 0,
+        Culling::Closed => 1,
+        Culling::Always => 2,
+    };
+    let pieces = if chunk.culling == Culling::Closed {
+        chunk.pieces
+    } else {
+        Bounds {
+            min: Vec3::ZERO,
+            max: Vec3::ZERO,
+        }
+    };
+    ChunkSource {
+        local_vertex: mesh.first_position + chunk.first_vertex,
+        vertex: first_vertex + chunk.first_vertex,
+        triangle: mesh.first_triangle + chunk.first_triangle,
+        counts: chunk.vertex_count | chunk.triangle_count << 9 | culling << 18,
+        pieces_min: pieces.min,
+        instance,
+        pieces_max: pieces.max,
+        padding: 0,
+    }
+}
+
+/// Rows of the matrix, as the shader multiplies.
+fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
+    let (m, t) = (transform.matrix3, transform.translation);
+    [0, 1, 2].map(|row| [m.x_axis[row], m.y_axis[row], m.z_axis[row], t[row]])
+}
+
+/// Bounds of a transformed box, a little wider than exact to cover rounding.
+fn transformed(bounds: &Bounds, transform: &Affine3A) -> Result<Bounds, Error> {
+    let error = || Error::TransformNotFinite {
+        value: format!("{:?}", rows(transform)),
+    };
+    if !transform.is_finite() {
+        return Err(error());
+    }
+    if bounds.min.x > bounds.max.x {
+        return Ok(*bounds);
+    }
+    let mut result = Bounds::EMPTY;
+    for corner in 0..8 {
+        let pick = |axis: usize| {
+            if corner >> axis & 1 == 0 {
+                bounds.min[axis]
+            } else {
+                bounds.max[axis]
+            }
+        };
+        result.extend(transform.transform_point3(Vec3::new(pick(0), pick(1), pick(2))));
+    }
+    if !(result.min.is_finite() && result.max.is_finite()) {
+        return Err(error());
+    }
+    let slack = result.min.abs().max(result.max.abs()) * 1e-5;
+    Ok(Bounds {
+        min: result.min - slack,
+        max: result.max + slack,
+    })
+}

@@ -1,0 +1,262 @@
+//! A device to measure and test on, and what comes back from it.
+
+use crate::{LightId, PointShadows};
+use bytemuck::Pod;
+use glam::Vec3;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+/// Device and queue without a window.
+#[derive(Debug)]
+pub struct Gpu {
+    /// The device, with the adapter's own limits.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Name and driver, for reports.
+    pub info: wgpu::AdapterInfo,
+}
+
+/// No device to draw with.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// No Vulkan, Metal or DirectX 12 adapter.
+    #[error("no graphics adapter: install a driver; in software, Debian's libvulkan1 and mesa-vulkan-drivers do")]
+    NoAdapter,
+    /// An adapter that gives no device.
+    #[error("the adapter {name} gives no device: {reason}")]
+    NoDevice {
+        /// The adapter's name.
+        name: String,
+        /// What it said.
+        reason: String,
+    },
+}
+
+impl Gpu {
+    /// The best adapter there is: a discrete GPU before an integrated one, and a software driver last. `features`
+    /// are requested as far as the adapter has them.
+    ///
+    /// # Errors
+    /// [`GpuError`] if there is none.
+    pub fn new(features: wgpu::Features) -> Result<Self, GpuError> {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = wgpu::Backends::PRIMARY;
+        descriptor.flags = wgpu::InstanceFlags::from_build_config().with_env();
+        let instance = wgpu::Instance::new(descriptor);
+        let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+        let rank = |adapter: &wgpu::Adapter| match adapter.get_info().device_type {
+            wgpu::DeviceType::DiscreteGpu => 0,
+            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::VirtualGpu => 2,
+            wgpu::DeviceType::Other => 3,
+            wgpu::DeviceType::Cpu => 4,
+        };
+        let adapter = adapters.into_iter().min_by_key(rank).ok_or(GpuError::NoAdapter)?;
+        let info = adapter.get_info();
+        let request = adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("dual_paraboloid::compare"),
+            required_features: features & adapter.features(),
+            required_limits: adapter.limits(),
+            ..Default::default()
+        });
+        let (device, queue) = pollster::block_on(request).map_err(|error| GpuError::NoDevice {
+            name: info.name.clone(),
+            reason: error.to_string(),
+        })?;
+        Ok(Self { device, queue, info })
+    }
+
+    /// Name of the device and its driver.
+    #[must_use]
+    pub fn name(&self) -> String {
+        format!("{} ({} {})", self.info.name, self.info.driver, self.info.driver_info).replace(" )", ")")
+    }
+
+    /// Encodes and submits.
+    pub fn submit(&self, encode: impl FnOnce(&mut wgpu::CommandEncoder)) {
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encode(&mut encoder);
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// Waits until the device has done everything submitted.
+    pub fn wait(&self) {
+        // A device that is lost has nothing left to wait for.
+        let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
+    }
+
+    /// The contents of a buffer that may be copied from.
+    ///
+    /// # Panics
+    /// If the device is lost.
+    #[must_use]
+    pub fn read<T: Pod>(&self, buffer: &wgpu::Buffer) -> Vec<T> {
+        let staging = self.staging(buffer.size());
+        self.submit(|encoder| encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size()));
+        self.mapped(&staging, bytemuck::pod_collect_to_vec)
+    }
+
+    /// One layer of a texture of four-byte texels, row by row.
+    ///
+    /// # Panics
+    /// If the device is lost.
+    #[must_use]
+    pub fn read_texture<T: Pod>(&self, texture: &wgpu::Texture, layer: u32) -> Vec<T> {
+        let (width, height) = (texture.width(), texture.height());
+        let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let staging = self.staging(u64::from(row) * u64::from(height));
+        self.submit(|encoder| {
+            encoder.copy_texture_to_buffer(
+                wgpu::TexelCopyTextureInfo {
+                    texture,
+                    mip_level: 0,
+                    origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+                    aspect: wgpu::TextureAspect::All,
+                },
+                wgpu::TexelCopyBufferInfo {
+                    buffer: &staging,
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(row),
+                        rows_per_image: None,
+                    },
+                },
+                wgpu::Extent3d {
+                    width,
+                    height,
+                    depth_or_array_layers: 1,
+                },
+            );
+        });
+        self.mapped(&staging, |bytes| {
+            let rows = bytes.chunks_exact(row as usize).map(|line| &line[..4 * width as usize]);
+            rows.flat_map(bytemuck::pod_collect_to_vec::<u8, T>).collect()
+        })
+    }
+
+    fn staging(&self, size: u64) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("dual_paraboloid::compare::staging"),
+            size,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        })
+    }
+
+    fn mapped<R>(&self, staging: &wgpu::Buffer, use_bytes: impl FnOnce(&[u8]) -> R) -> R {
+        staging.map_async(wgpu::MapMode::Read, .., |result| {
+            if let Err(error) = result {
+                eprintln!("reading back failed: {error}");
+            }
+        });
+        self.wait();
+        let view = staging.get_mapped_range(..).expect("the device is lost");
+        use_bytes(&view)
+    }
+
+    /// A light's maps, 2R texels a row: the front hemisphere in the left half, the back one in the right.
+    #[must_use]
+    pub fn read_map(&self, shadows: &PointShadows, light: LightId) -> Vec<f32> {
+        self.read_texture(shadows.maps(), light.index())
+    }
+
+    /// What `dp_shadow` says of each receiver, given by position and geometric normal.
+    #[must_use]
+    pub fn shadow_values(&self, shadows: &PointShadows, light: LightId, receivers: &[(Vec3, Vec3)]) -> Vec<f32> {
+        let call = format!("dp_shadow({}u, position, normal)", light.index());
+        let text = [crate::wgsl::lookup(0), evaluation(&call)].concat();
+        self.evaluate(&text, &[(shadows.bind_group(), shadows.bind_group_layout())], receivers)
+    }
+
+    /// Runs the entry point `evaluate` of a module made with [`evaluation`], one thread a receiver. The groups are
+    /// bound from 0 on.
+    #[must_use]
+    pub fn evaluate(
+        &self,
+        text: &str,
+        groups: &[(&wgpu::BindGroup, &wgpu::BindGroupLayout)],
+        receivers: &[(Vec3, Vec3)],
+    ) -> Vec<f32> {
+        let device = &self.device;
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("dual_paraboloid::compare::evaluate"),
+            source: wgpu::ShaderSource::Wgsl(text.into()),
+        });
+        let input: Vec<[f32; 3]> = receivers
+            .iter()
+            .flat_map(|(p, n)| [p.to_array(), n.to_array()])
+            .collect();
+        let input = device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("dual_paraboloid::compare::receivers"),
+            contents: bytemuck::cast_slice(&input),
+            usage: wgpu::BufferUsages::STORAGE,
+        });
+        let output = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("dual_paraboloid::compare::values"),
+            size: 4 * receivers.len() as u64,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let layout = crate::gpu::layout(
+            device,
+            "compare::evaluate",
+            wgpu::ShaderStages::COMPUTE,
+            &[crate::gpu::Binding::Read, crate::gpu::Binding::Write],
+        );
+        let resources = [input.as_entire_binding(), output.as_entire_binding()];
+        let own = crate::gpu::bind_group(device, "compare::evaluate", &layout, &resources);
+        let mut layouts: Vec<Option<&wgpu::BindGroupLayout>> = groups.iter().map(|(_, layout)| Some(*layout)).collect();
+        layouts.resize(EVALUATION_GROUP, None);
+        layouts.push(Some(&layout));
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("dual_paraboloid::compare::evaluate"),
+            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("dual_paraboloid::compare::evaluate"),
+                bind_group_layouts: &layouts,
+                ..Default::default()
+            })),
+            module: &module,
+            entry_point: Some("evaluate"),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        self.submit(|encoder| {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&pipeline);
+            for (number, (group, _)) in (0..).zip(groups) {
+                pass.set_bind_group(number, *group, &[]);
+            }
+            pass.set_bind_group(EVALUATION_GROUP as u32, &own, &[]);
+            pass.dispatch_workgroups((receivers.len() as u32).div_ceil(64).clamp(1, 65_535), 1, 1);
+        });
+        self.read(&output)
+    }
+}
+
+/// Group of the receivers and values in [`evaluation`].
+const EVALUATION_GROUP: usize = 3;
+
+/// Entry point `evaluate`, which writes the value of a WGSL expression over `position` and `normal` for each
+/// receiver.
+#[must_use]
+pub fn evaluation(expression: &str) -> String {
+    format!(
+        "
+@group({EVALUATION_GROUP}) @binding(0) var<storage, read> receivers: array<f32>;
+@group({EVALUATION_GROUP}) @binding(1) var<storage, read_write> values: array<f32>;
+
+@compute @workgroup_size(64)
+fn evaluate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {{
+    for (var i = id.x; i < arrayLength(&values); i += groups.x * 64u) {{
+        let at = 6u * i;
+        let position = vec3<f32>(receivers[at], receivers[at + 1u], receivers[at + 2u]);
+        let normal = vec3<f32>(receivers[at + 3u], receivers[at + 4u], receivers[at + 5u]);
+        values[i] = {expression};
+    }}
+}}
+"
+    )
+}

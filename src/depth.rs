@@ -1,0 +1,196 @@
+//! The depth stage: one render pass a light, both hemispheres side by side (`shaders/depth.wgsl`,
+//! `shaders/exact.wgsl`).
+
+use crate::gpu::{self, Binding};
+use crate::light::{Coverage, PointLight};
+use crate::view::{Arguments, HemisphereView, MapShape, SLOT, View};
+use glam::Vec3;
+use std::mem::offset_of;
+
+/// Views that a light takes: for each hemisphere one for world space and one for pieces.
+const VIEWS: u64 = 4;
+
+#[derive(Debug)]
+pub(crate) struct Depth {
+    pipeline: wgpu::RenderPipeline,
+    exact: [wgpu::RenderPipeline; 2],
+    exact_layout: wgpu::BindGroupLayout,
+    views: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+/// What a light's pass draws from.
+pub(crate) struct Sources<'a> {
+    pub(crate) positions: &'a wgpu::Buffer,
+    pub(crate) lists: &'a wgpu::Buffer,
+    pub(crate) pieces: &'a wgpu::Buffer,
+    pub(crate) arguments: &'a wgpu::Buffer,
+    pub(crate) exact: &'a wgpu::BindGroup,
+}
+
+impl Depth {
+    /// For at most `lights` lights in one recording.
+    pub(crate) fn new(device: &wgpu::Device, lights: u32) -> Self {
+        let layout = gpu::layout(device, "depth", wgpu::ShaderStages::VERTEX, &[Binding::Uniform]);
+        let exact_layout = gpu::layout(
+            device,
+            "exact",
+            wgpu::ShaderStages::VERTEX_FRAGMENT,
+            &[Binding::Uniform, Binding::Read, Binding::Read],
+        );
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let views = gpu::buffer(device, "depth::views", u64::from(lights) * VIEWS * SLOT, usage);
+        let size = size_of::<HemisphereView>() as u64;
+        let group = gpu::bind_group(device, "depth", &layout, &[gpu::dynamic(&views, size)]);
+        let exact_module = gpu::shader(device, "exact", crate::wgsl::exact());
+        Self {
+            pipeline: depth_pipeline(device, &layout),
+            exact: [0, 1].map(|hemisphere| exact_pipeline(device, &exact_layout, &exact_module, hemisphere)),
+            exact_layout,
+            views,
+            group,
+        }
+    }
+
+    pub(crate) fn exact_group(
+        &self,
+        device: &wgpu::Device,
+        views: &wgpu::Buffer,
+        lists: &wgpu::Buffer,
+        positions: &wgpu::Buffer,
+    ) -> wgpu::BindGroup {
+        let size = size_of::<View>() as u64;
+        let resources = [
+            gpu::dynamic(views, size),
+            lists.as_entire_binding(),
+            positions.as_entire_binding(),
+        ];
+        gpu::bind_group(device, "exact", &self.exact_layout, &resources)
+    }
+
+    /// Writes the hemispheres' views of the lights that are about to be recorded.
+    pub(crate) fn write_views(&self, queue: &wgpu::Queue, lights: &[PointLight], shape: &MapShape) {
+        let mut bytes = vec![0u8; lights.len() * (VIEWS * SLOT) as usize];
+        let slots = bytes.chunks_exact_mut(SLOT as usize);
+        for (i, slot) in slots.enumerate() {
+            let light = &lights[i / VIEWS as usize];
+            let origin = if i % 2 == 0 { light.position } else { Vec3::ZERO };
+            let view = HemisphereView::new(light, shape, i % 4 >= 2, origin);
+            slot[..size_of_val(&view)].copy_from_slice(bytemuck::bytes_of(&view));
+        }
+        queue.write_buffer(&self.views, 0, &bytes);
+    }
+
+    /// Draws what job `job` chose for the light whose views are the `light`th. The first job of a light clears.
+    #[expect(clippy::too_many_arguments, reason = "one call site; each is a separate thing")]
+    pub(crate) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        sources: &Sources,
+        shape: &MapShape,
+        coverage: Coverage,
+        light: u32,
+        job: Option<u32>,
+        clear: bool,
+    ) {
+        let load = if clear {
+            wgpu::LoadOp::Clear(0.0)
+        } else {
+            wgpu::LoadOp::Load
+        };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("dual_paraboloid::depth"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: target,
+                depth_ops: Some(wgpu::Operations {
+                    load,
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        let Some(job) = job else { return };
+        let at = u64::from(job) * SLOT;
+        let backs = match coverage {
+            Coverage::Full => 0..2u32,
+            Coverage::Hemisphere => 0..1,
+        };
+        let size = shape.resolution as f32;
+        let view = |back: u32, relative: u32| (light * VIEWS as u32 + 2 * back + relative) * SLOT as u32;
+        pass.set_index_buffer(sources.lists.slice(..), wgpu::IndexFormat::Uint32);
+        for back in backs {
+            let b = u64::from(back);
+            pass.set_viewport(size * back as f32, 0.0, size, size, 0.0, 1.0);
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &self.group, &[view(back, 0)]);
+            pass.set_vertex_buffer(0, sources.positions.slice(..));
+            pass.draw_indexed_indirect(sources.arguments, at + offset_of!(Arguments, whole) as u64 + 20 * b);
+            pass.set_bind_group(0, &self.group, &[view(back, 1)]);
+            pass.set_vertex_buffer(0, sources.pieces.slice(..));
+            pass.draw_indirect(sources.arguments, at + offset_of!(Arguments, pieces) as u64 + 16 * b);
+            pass.set_pipeline(&self.exact[back as usize]);
+            pass.set_bind_group(0, sources.exact, &[job * SLOT as u32]);
+            pass.draw_indirect(sources.arguments, at + offset_of!(Arguments, exact) as u64 + 16 * b);
+        }
+    }
+}
+
+fn depth_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
+    let module = gpu::shader(device, "depth", crate::wgsl::depth());
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("dual_paraboloid::depth"),
+        layout: Some(&gpu::pipeline_layout(device, "depth", layout)),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("depth"),
+            compilation_options: Default::default(),
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: 12,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+            })],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(gpu::depth_state()),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: None,
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn exact_pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    module: &wgpu::ShaderModule,
+    hemisphere: u32,
+) -> wgpu::RenderPipeline {
+    let constants = [("HEMISPHERE", f64::from(hemisphere))];
+    let compilation_options = wgpu::PipelineCompilationOptions {
+        constants: &constants,
+        zero_initialize_workgroup_memory: false,
+    };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("dual_paraboloid::exact"),
+        layout: Some(&gpu::pipeline_layout(device, "exact", layout)),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("exact_vertex"),
+            compilation_options: compilation_options.clone(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(gpu::depth_state()),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some("exact_fragment"),
+            compilation_options,
+            targets: &[],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

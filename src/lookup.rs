@@ -1,0 +1,113 @@
+//! What the lighting pass binds: the maps, and the lights as they were when their maps were made
+//! (`shaders/lookup.wgsl`).
+
+use crate::gpu;
+use crate::light::PointLight;
+use crate::view::{MapShape, axes, hemispheres};
+use glam::Vec3;
+
+/// A light as the lookup reads it; twin of `DpLight`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+struct LightRecord {
+    right: Vec3,
+    near: f32,
+    up: Vec3,
+    range: f32,
+    forward: Vec3,
+    texels: f32,
+    position: Vec3,
+    hemispheres: u32,
+}
+
+#[derive(Debug)]
+pub(crate) struct Lookup {
+    layout: wgpu::BindGroupLayout,
+    group: wgpu::BindGroup,
+    lights: wgpu::Buffer,
+}
+
+impl Lookup {
+    /// For the layers of `maps`, one a light.
+    pub(crate) fn new(device: &wgpu::Device, maps: &wgpu::Texture) -> Self {
+        let layout = layout(device);
+        let capacity = u64::from(maps.depth_or_array_layers());
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let lights = gpu::buffer(
+            device,
+            "lookup::lights",
+            capacity * size_of::<LightRecord>() as u64,
+            usage,
+        );
+        let view = maps.create_view(&wgpu::TextureViewDescriptor {
+            label: Some("dual_paraboloid::lookup::maps"),
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("dual_paraboloid::lookup::gather"),
+            ..Default::default()
+        });
+        let resources = [
+            wgpu::BindingResource::TextureView(&view),
+            wgpu::BindingResource::Sampler(&sampler),
+            lights.as_entire_binding(),
+        ];
+        let group = gpu::bind_group(device, "lookup", &layout, &resources);
+        Self { layout, group, lights }
+    }
+
+    pub(crate) fn layout(&self) -> &wgpu::BindGroupLayout {
+        &self.layout
+    }
+
+    pub(crate) fn bind_group(&self) -> &wgpu::BindGroup {
+        &self.group
+    }
+
+    /// Describes the light of a layer, or that there is none any more.
+    pub(crate) fn write(&self, queue: &wgpu::Queue, layer: u32, light: Option<&PointLight>, shape: &MapShape) {
+        let record = light.map_or(bytemuck::Zeroable::zeroed(), |light| {
+            let [right, up, forward] = axes(light.orientation);
+            LightRecord {
+                right,
+                near: light.near,
+                up,
+                range: light.range,
+                forward,
+                texels: shape.texels(),
+                position: light.position,
+                hemispheres: hemispheres(light.coverage),
+            }
+        });
+        queue.write_buffer(
+            &self.lights,
+            u64::from(layer) * size_of_val(&record) as u64,
+            bytemuck::bytes_of(&record),
+        );
+    }
+}
+
+fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE,
+        ty,
+        count: None,
+    };
+    let maps = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Depth,
+        view_dimension: wgpu::TextureViewDimension::D2Array,
+        multisampled: false,
+    };
+    let lights = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::NonFiltering);
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("dual_paraboloid::lookup"),
+        entries: &[entry(0, maps), entry(1, sampler), entry(2, lights)],
+    })
+}

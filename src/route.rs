@@ -1,0 +1,108 @@
+//! The route stage: from all triangles to the lists of those that each hemisphere draws or splits
+//! (`shaders/route.wgsl`).
+
+use crate::casters::Casters;
+use crate::gpu::{self, Binding};
+use crate::view::{Arguments, SLOT, View};
+
+/// Triangles that one job's lists have room for at most, per hemisphere; more casters take several jobs a light.
+/// A place in the list has to fit the 22 bits that the split keeps for it, and the buffer the portable limit.
+pub(crate) const MOST_TRIANGLES: u32 = 1 << 22;
+
+/// Triangles of a chunk at most.
+const CHUNK: u32 = crate::chunks::CHUNK_SIZE as u32;
+
+/// Workgroups of one dispatch; each takes several chunks when there are more.
+const MOST_GROUPS: u32 = 8192;
+
+#[derive(Debug)]
+pub(crate) struct Route {
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+    lists: wgpu::Buffer,
+    capacity: u32,
+}
+
+impl Route {
+    /// `reject` off keeps every triangle that a hemisphere isn't wholly in front of.
+    pub(crate) fn new(device: &wgpu::Device, reject: bool) -> Self {
+        use Binding::{Counters, Read, Uniform, Write};
+        let bindings = [Uniform, Counters, Read, Read, Read, Read, Write];
+        let layout = gpu::layout(device, "route", wgpu::ShaderStages::COMPUTE, &bindings);
+        let module = gpu::shader(device, "route", crate::wgsl::route());
+        let constants = [("REJECT", f64::from(u8::from(reject)))];
+        let pipeline = gpu::compute_pipeline(device, "route", &module, Some(&layout), &constants);
+        let capacity = 1024;
+        Self {
+            pipeline,
+            layout,
+            lists: lists(device, capacity),
+            capacity,
+        }
+    }
+
+    pub(crate) fn lists(&self) -> &wgpu::Buffer {
+        &self.lists
+    }
+
+    pub(crate) fn capacity(&self) -> u32 {
+        self.capacity
+    }
+
+    /// Makes room for the triangles of `casters`, as far as one job takes them; returns whether the lists were
+    /// replaced.
+    pub(crate) fn fit(&mut self, device: &wgpu::Device, casters: &Casters) -> bool {
+        let needed = casters.triangle_count().clamp(1024, u64::from(MOST_TRIANGLES)) as u32;
+        if needed <= self.capacity && needed >= self.capacity / 4 {
+            return false;
+        }
+        self.capacity = (needed + needed / 4).min(MOST_TRIANGLES);
+        self.lists = lists(device, self.capacity);
+        true
+    }
+
+    /// The stretches of chunks that the lists surely have room for.
+    pub(crate) fn jobs(&self, casters: &Casters) -> Vec<std::ops::Range<u32>> {
+        let chunks = casters.chunk_count();
+        let step = if casters.triangle_count() <= u64::from(self.capacity) {
+            chunks
+        } else {
+            self.capacity / CHUNK
+        };
+        (0..chunks)
+            .step_by(step.max(1) as usize)
+            .map(|first| first..(first + step).min(chunks))
+            .collect()
+    }
+
+    pub(crate) fn bind_group(
+        &self,
+        device: &wgpu::Device,
+        views: &wgpu::Buffer,
+        arguments: &wgpu::Buffer,
+        casters: &Casters,
+    ) -> wgpu::BindGroup {
+        let resources = [
+            gpu::dynamic(views, size_of::<View>() as u64),
+            gpu::dynamic(arguments, size_of::<Arguments>() as u64),
+            casters.chunk_sources.buffer().as_entire_binding(),
+            casters.chunk_bounds.buffer().as_entire_binding(),
+            casters.triangles.buffer().as_entire_binding(),
+            casters.positions.buffer().as_entire_binding(),
+            self.lists.as_entire_binding(),
+        ];
+        gpu::bind_group(device, "route", &self.layout, &resources)
+    }
+
+    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, job: u32, chunks: u32) {
+        let offset = job * SLOT as u32;
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, &[offset, offset]);
+        pass.dispatch_workgroups(chunks.min(MOST_GROUPS), 1, 1);
+    }
+}
+
+fn lists(device: &wgpu::Device, capacity: u32) -> wgpu::Buffer {
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDEX;
+    gpu::buffer(device, "route::lists", 2 * 12 * u64::from(capacity), usage)
+}

@@ -1,0 +1,85 @@
+//! The split stage: from triangles whose edges bend too much to pieces whose edges don't (`shaders/split.wgsl`).
+
+use crate::gpu::{self, Binding};
+use crate::view::{Arguments, MapShape, SLOT, View};
+
+/// Workgroups per hemisphere; they share the triangles out evenly, neighbours to different ones.
+const GROUPS: u32 = 256;
+
+/// Bytes of a piece: three corners.
+const PIECE_SIZE: u64 = 36;
+
+#[derive(Debug)]
+pub(crate) struct Split {
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+    pieces: wgpu::Buffer,
+    capacity: u32,
+}
+
+impl Split {
+    pub(crate) fn new(device: &wgpu::Device, shape: &MapShape, reject: bool) -> Self {
+        use Binding::{Counters, Read, Uniform, Write};
+        let layout = gpu::layout(
+            device,
+            "split",
+            wgpu::ShaderStages::COMPUTE,
+            &[Uniform, Counters, Write, Read, Write],
+        );
+        let module = gpu::shader(device, "split", crate::wgsl::split());
+        let constants = [("REJECT", f64::from(u8::from(reject)))];
+        let pipeline = gpu::compute_pipeline(device, "split", &module, Some(&layout), &constants);
+        let capacity = capacity(device, shape);
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
+        let pieces = gpu::buffer(device, "split::pieces", 2 * PIECE_SIZE * u64::from(capacity), usage);
+        Self {
+            pipeline,
+            layout,
+            pieces,
+            capacity,
+        }
+    }
+
+    pub(crate) fn pieces(&self) -> &wgpu::Buffer {
+        &self.pieces
+    }
+
+    pub(crate) fn capacity(&self) -> u32 {
+        self.capacity
+    }
+
+    pub(crate) fn bind_group(
+        &self,
+        device: &wgpu::Device,
+        views: &wgpu::Buffer,
+        arguments: &wgpu::Buffer,
+        lists: &wgpu::Buffer,
+        positions: &wgpu::Buffer,
+    ) -> wgpu::BindGroup {
+        let resources = [
+            gpu::dynamic(views, size_of::<View>() as u64),
+            gpu::dynamic(arguments, size_of::<Arguments>() as u64),
+            lists.as_entire_binding(),
+            positions.as_entire_binding(),
+            self.pieces.as_entire_binding(),
+        ];
+        gpu::bind_group(device, "split", &self.layout, &resources)
+    }
+
+    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, job: u32) {
+        let offset = job * SLOT as u32;
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, &[offset, offset]);
+        pass.dispatch_workgroups(GROUPS, 2, 1);
+    }
+}
+
+/// Pieces per hemisphere. A surface that fills a hemisphere takes about `R / (2 tolerance)` of them at the least, and
+/// two to three times that as triangles come; the rest is for surfaces behind one another. Triangles whose pieces
+/// find no room are drawn exactly.
+fn capacity(device: &wgpu::Device, shape: &MapShape) -> u32 {
+    let wanted = 64.0 * shape.resolution as f32 / shape.tolerance.clamp(0.01, 1.0);
+    let limits = device.limits();
+    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / (2 * PIECE_SIZE);
+    (wanted as u64).clamp(16_384, 1 << 22).min(limit) as u32
+}

@@ -1,0 +1,59 @@
+//! The shaders' text: what a renderer pastes into its own, and the complete modules that the library compiles.
+
+const PARABOLOID: &str = include_str!("../shaders/paraboloid.wgsl");
+const CASTERS: &str = include_str!("../shaders/casters.wgsl");
+const VIEW: &str = include_str!("../shaders/view.wgsl");
+const TRANSFORM: &str = include_str!("../shaders/transform.wgsl");
+const ROUTE: &str = include_str!("../shaders/route.wgsl");
+const SPLIT: &str = include_str!("../shaders/split.wgsl");
+const DEPTH: &str = include_str!("../shaders/depth.wgsl");
+const EXACT: &str = include_str!("../shaders/exact.wgsl");
+const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
+
+/// WGSL to put before or after a renderer's own, for `dp_shadow(light, position, normal) -> f32`. `group` is the
+/// number under which the renderer sets [`PointShadows::bind_group`](crate::PointShadows::bind_group). Everything
+/// it declares begins with `dp_` or `Dp`, and it declares no other binding.
+#[must_use]
+pub fn lookup(group: u32) -> String {
+    [PARABOLOID, &LOOKUP.replace("DP_GROUP", &group.to_string())].concat()
+}
+
+/// WGSL of the mapping alone: the functions of [`paraboloid`](crate::paraboloid) with the prefix `dp_`.
+#[must_use]
+pub fn paraboloid() -> &'static str {
+    PARABOLOID
+}
+
+pub(crate) fn transform() -> String {
+    [CASTERS, TRANSFORM].concat()
+}
+
+pub(crate) fn route() -> String {
+    [PARABOLOID, CASTERS, VIEW, ROUTE].concat()
+}
+
+pub(crate) fn split() -> String {
+    [PARABOLOID, VIEW, SPLIT].concat()
+}
+
+pub(crate) fn depth() -> String {
+    [PARABOLOID, DEPTH].concat()
+}
+
+pub(crate) fn exact() -> String {
+    [PARABOLOID, VIEW, EXACT].concat()
+}
+
+/// Name and text of every complete module that the library compiles, and of the lookup under group 0; for checking
+/// them with other compilers.
+#[must_use]
+pub fn modules() -> Vec<(&'static str, String)> {
+    vec![
+        ("transform", transform()),
+        ("route", route()),
+        ("split", split()),
+        ("depth", depth()),
+        ("exact", exact()),
+        ("lookup", lookup(0)),
+    ]
+}
