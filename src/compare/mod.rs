@@ -1,1 +1,2 @@
 //! Compare
+pub mod scene;
