@@ -1,2 +1,3 @@
 //! Compare
+pub mod procedural;
 pub mod scene;

@@ -1,4 +1,4 @@
-//! Scenes to measure with, from glTF files.
+//! Scenes to measure with: glTF files, or made in code by [`procedural`](super::procedural).
 //!
 //! A [`Scene`] is plain data on the host: triangle meshes, instances of them, materials, and the point lights that
 //! the file names. World space is right-handed with +Y up, as in glTF; lengths are in the file's own unit.
