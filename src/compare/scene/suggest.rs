@@ -1,0 +1,261 @@
+//! Where to put a light and a camera in a scene that says nothing about either.
+//!
+//! Rays are cast by brute force at the scene's largest triangles: walls and floors decide what is a room, and small
+//! details don't. A few thousand of them sort out the candidates; the shortlist is judged against many more.
+
+use std::f32::consts::{FRAC_PI_3, FRAC_PI_4, TAU};
+
+use glam::Vec3;
+
+use super::{Camera, Scene};
+
+/// Triangles looked at, about, before the largest are chosen.
+const EXAMINED: usize = 200_000;
+/// Triangles of each instance that are looked at however many there are, so that no wall is missed.
+const EXAMINED_PER_INSTANCE: usize = 16;
+/// Largest triangles that the shortlist is judged against.
+const FINE: usize = 60_000;
+/// Largest triangles that all candidates are judged against.
+const COARSE: usize = 2_000;
+const CANDIDATES: usize = 128;
+/// How far past the scene's main box candidates reach, in diagonals: a single object is lit from outside.
+const MARGIN: f32 = 0.12;
+const SHORTLIST: usize = 6;
+const RAYS: usize = 48;
+/// Share of directions that hit something, from which on a point counts as indoors.
+const ENCLOSED: f32 = 0.8;
+
+/// A coarse stand-in for a scene.
+struct Sketch {
+    /// World-space corners, front faces counter-clockwise; the [`COARSE`] largest come first.
+    triangles: Vec<[Vec3; 3]>,
+    /// World-space box that holds most of the triangles: without the far ends of a lone ground plane.
+    low: Vec3,
+    high: Vec3,
+}
+
+/// What a point sees around it.
+struct View {
+    /// Share of directions in 0..=1 that hit a triangle.
+    hit: f32,
+    /// Share of directions in 0..=1 that hit the back of one first.
+    back: f32,
+    /// Smallest distance met.
+    clearance: f32,
+}
+
+pub(super) fn light(scene: &Scene) -> Vec3 {
+    let Some(sketch) = Sketch::of(scene) else {
+        return Vec3::ZERO;
+    };
+    let directions = sphere_directions(RAYS);
+    let diagonal = (sketch.high - sketch.low).length();
+    let low = sketch.low - MARGIN * diagonal;
+    let size = sketch.high - sketch.low + 2.0 * MARGIN * diagonal;
+    let score = |point: Vec3, triangles: &[[Vec3; 3]]| {
+        let view = View::of(triangles, point, &directions);
+        // A clearance past a quarter of the scene is no further gain, or every light would end up in the sky.
+        let room = (view.clearance / (0.25 * diagonal)).min(1.0);
+        room * (0.05 + view.hit) * (1.0 - view.back).powi(4)
+    };
+    let candidates = (0..CANDIDATES).map(|k| low + size * low_discrepancy(k));
+    let mut ranked: Vec<_> = candidates
+        .map(|point| (score(point, sketch.coarse()), point))
+        .collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let shortlist = ranked
+        .iter()
+        .take(SHORTLIST)
+        .map(|&(_, point)| (score(point, &sketch.triangles), point));
+    shortlist
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(Vec3::ZERO, |(_, point)| point)
+}
+
+pub(super) fn camera(scene: &Scene, light: Vec3) -> Camera {
+    let Some(sketch) = Sketch::of(scene) else {
+        return Camera {
+            eye: light + Vec3::Z,
+            target: light,
+            fov_y: FRAC_PI_4,
+        };
+    };
+    let view = View::of(&sketch.triangles, light, &sphere_directions(RAYS));
+    if view.hit >= ENCLOSED {
+        sketch.inside(light)
+    } else {
+        sketch.outside(light)
+    }
+}
+
+impl Sketch {
+    /// `None` for a scene without triangles.
+    fn of(scene: &Scene) -> Option<Self> {
+        let mut sampled = sample(scene);
+        let centers: Vec<Vec3> = sampled.iter().map(|[a, b, c]| (a + b + c) / 3.0).collect();
+        let (low, high) = main_box(&centers)?;
+        largest_first(&mut sampled, FINE);
+        sampled.truncate(FINE);
+        largest_first(&mut sampled, COARSE);
+        Some(Self {
+            triangles: sampled,
+            low,
+            high,
+        })
+    }
+
+    fn coarse(&self) -> &[[Vec3; 3]] {
+        &self.triangles[..self.triangles.len().min(COARSE)]
+    }
+
+    /// How far one can look from `origin`, within the size of the scene.
+    fn free(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let size = (self.high - self.low).length();
+        first_hit(&self.triangles, origin, direction)
+            .map_or(size, |(distance, _)| distance.min(size))
+    }
+
+    /// Behind the light as seen along the longest free view, looking past it.
+    fn inside(&self, light: Vec3) -> Camera {
+        let around = (0..16).map(|k| {
+            let (sin, cos) = (TAU * k as f32 / 16.0).sin_cos();
+            Vec3::new(cos, 0.0, sin)
+        });
+        let views = around.map(|direction| (self.free(light, direction), direction));
+        let (ahead, direction) = views
+            .reduce(|best, next| if next.0 > best.0 { next } else { best })
+            .unwrap_or_default();
+        let behind = 0.7 * self.free(light, -direction);
+        let lowered = 0.25 * self.free(light, Vec3::NEG_Y);
+        Camera {
+            eye: light - direction * behind.min(ahead),
+            target: light + direction * (0.5 * ahead) - Vec3::Y * lowered,
+            fov_y: FRAC_PI_3,
+        }
+    }
+
+    fn outside(&self, light: Vec3) -> Camera {
+        let (low, high) = (self.low.min(light), self.high.max(light));
+        let center = (low + high) / 2.0;
+        let radius = ((high - low).length() / 2.0).max(1e-3);
+        let direction = Vec3::new(0.55, 0.45, 1.0).normalize();
+        Camera {
+            eye: center + direction * (radius / (FRAC_PI_4 / 2.0).sin()),
+            target: center,
+            fov_y: FRAC_PI_4,
+        }
+    }
+}
+
+impl View {
+    fn of(triangles: &[[Vec3; 3]], point: Vec3, directions: &[Vec3]) -> Self {
+        let hits = directions
+            .iter()
+            .filter_map(|&direction| first_hit(triangles, point, direction));
+        let mut view = Self {
+            hit: 0.0,
+            back: 0.0,
+            clearance: f32::MAX,
+        };
+        let share = 1.0 / directions.len() as f32;
+        for (distance, front) in hits {
+            view.hit += share;
+            view.back += if front { 0.0 } else { share };
+            view.clearance = view.clearance.min(distance);
+        }
+        view
+    }
+}
+
+/// Distance along the unit `direction`, and whether the front is hit.
+fn first_hit(triangles: &[[Vec3; 3]], origin: Vec3, direction: Vec3) -> Option<(f32, bool)> {
+    let hits = triangles
+        .iter()
+        .filter_map(|triangle| intersect(origin, direction, triangle));
+    hits.min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// Brings the `count` largest triangles to the front.
+fn largest_first(triangles: &mut [[Vec3; 3]], count: usize) {
+    let area = |[a, b, c]: &[Vec3; 3]| (b - a).cross(c - a).length_squared();
+    if triangles.len() > count {
+        triangles.select_nth_unstable_by(count, |a, b| area(b).total_cmp(&area(a)));
+    }
+}
+
+/// Triangles spread evenly over the scene, front faces counter-clockwise.
+fn sample(scene: &Scene) -> Vec<[Vec3; 3]> {
+    let sparse = scene.triangle_count().div_ceil(EXAMINED).max(1);
+    let mut out = Vec::new();
+    for instance in &scene.instances {
+        let mesh = &scene.meshes[instance.mesh];
+        let stride = sparse.min((mesh.triangle_count() / EXAMINED_PER_INSTANCE).max(1));
+        let world = |index: u32| {
+            instance
+                .transform
+                .transform_point3(mesh.positions[index as usize].into())
+        };
+        // A mirrored instance turns its triangles inside out.
+        let [second, third] = if instance.transform.matrix3.determinant() < 0.0 {
+            [2, 1]
+        } else {
+            [1, 2]
+        };
+        let corners = mesh.indices.chunks_exact(3).step_by(stride);
+        out.extend(corners.map(|corner| {
+            [
+                world(corner[0]),
+                world(corner[second]),
+                world(corner[third]),
+            ]
+        }));
+    }
+    out
+}
+
+/// Per axis, where the middle 96 % of the triangles' centres lie.
+fn main_box(centers: &[Vec3]) -> Option<(Vec3, Vec3)> {
+    let mut ends = [[0.0; 3]; 2];
+    for axis in 0..3 {
+        let mut along: Vec<f32> = centers.iter().map(|center| center[axis]).collect();
+        along.sort_unstable_by(f32::total_cmp);
+        let trimmed = along.len() / 50;
+        ends[0][axis] = *along.get(trimmed)?;
+        ends[1][axis] = along[along.len() - 1 - trimmed];
+    }
+    Some((ends[0].into(), ends[1].into()))
+}
+
+/// Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection" (1997), both sides.
+fn intersect(origin: Vec3, direction: Vec3, [a, b, c]: &[Vec3; 3]) -> Option<(f32, bool)> {
+    let (edge_b, edge_c) = (b - a, c - a);
+    let p = direction.cross(edge_c);
+    let det = edge_b.dot(p);
+    if det == 0.0 {
+        return None;
+    }
+    let to_origin = origin - a;
+    let u = to_origin.dot(p) / det;
+    let q = to_origin.cross(edge_b);
+    let v = direction.dot(q) / det;
+    let distance = edge_c.dot(q) / det;
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0).then_some((distance, det > 0.0))
+}
+
+/// Point `k` of Roberts' R3 sequence in the unit cube: the powers of the inverse of the root of x⁴ = x + 1.
+fn low_discrepancy(k: usize) -> Vec3 {
+    let k = k as f32 + 0.5;
+    Vec3::new(k * 0.819_172_5, k * 0.671_043_6, k * 0.549_700_5).fract()
+}
+
+/// A Fibonacci spiral of unit vectors.
+fn sphere_directions(count: usize) -> Vec<Vec3> {
+    let golden_angle = TAU * 0.381_966;
+    let direction = |k: usize| {
+        let y = 1.0 - (2 * k + 1) as f32 / count as f32;
+        let (sin, cos) = (golden_angle * k as f32).sin_cos();
+        let r = (1.0 - y * y).sqrt();
+        Vec3::new(r * cos, y, r * sin)
+    };
+    (0..count).map(direction).collect()
+}
