@@ -1,4 +1,4 @@
 //! stub
-pub mod paraboloid;
 #[cfg(feature = "compare")]
 pub mod compare;
+pub mod paraboloid;
