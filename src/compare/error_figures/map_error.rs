@@ -1,0 +1,278 @@
+//! What the texels of a map hold, against what the rays through their centres meet.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::per_million;
+use crate::compare::ideal::{IdealMap, MapGeometry, NO_TRIANGLE};
+use crate::compare::reference::{Hit, Reference, View};
+use crate::paraboloid::double as paraboloid;
+
+/// How far off the true surface's plane, measured along its normal and in texel footprints, a stored depth may be
+/// and still be that surface's.
+///
+/// The library interpolates depth with an error of at most half a footprint along edges, which is two thirds inside a
+/// triangle (its form is that of a circumcircle); chords in place of arcs and the rasteriser's snapping shift a surface
+/// by a quarter of a texel more.
+pub const SURFACE_TOLERANCE: f64 = 1.0;
+
+/// Distance between the rays that look for a silhouette, in texels along a spoke.
+const SILHOUETTE_STEP: f64 = 0.125;
+/// Rays of each ring around a texel that look for a silhouette.
+const SILHOUETTE_SPOKES: usize = 48;
+/// How far around a texel a silhouette is looked for, in texels.
+const SILHOUETTE_REACH: f64 = 2.0;
+
+/// Figures about the texels of a map.
+///
+/// Judged are the texels whose centre lies in a disc, guard band included, at least a texel inside the rim of the guard
+/// band. A texel in whose direction the nearest caster is beyond the light's range isn't judged, since the map may
+/// leave that caster out, unless it holds a depth within the range.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct MapError {
+    /// Number of texels judged.
+    pub texels: usize,
+    /// Texels, in parts per million, that hold another surface than the one that the ray through their centre meets:
+    /// the stored depth is off that triangle's plane by more than [`SURFACE_TOLERANCE`]. Without holes and phantoms.
+    pub wrong_surface_ppm: f64,
+    /// Texels that are empty although the ray meets a caster.
+    pub holes: usize,
+    /// Texels that hold a depth although the ray meets no caster.
+    pub phantoms: usize,
+    /// Median of |stored - true| / true over the texels that hold the right surface.
+    pub depth_error_median: f64,
+    /// 99th percentile of the same.
+    pub depth_error_p99: f64,
+    /// Largest of the same.
+    pub depth_error_max: f64,
+    /// Wrong surfaces, holes and phantoms farther than one texel from every silhouette: from every place where the
+    /// true surface steps by more than [`SURFACE_TOLERANCE`] between rays an eighth of a texel apart. Silhouettes are
+    /// looked for by rays, which can miss a thin one, so this is never too low.
+    #[serde(skip)]
+    pub strays: usize,
+    /// Largest distance from a wrong surface, hole or phantom to a silhouette, in texels; infinite when one is 2
+    /// texels or more from any.
+    #[serde(skip)]
+    pub silhouette_distance_max: f64,
+}
+
+/// What a texel holds, against the truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TexelVerdict {
+    /// Outside the discs, or beyond the light's range.
+    NotJudged,
+    /// No caster, and none stored.
+    Empty,
+    /// The right surface, with this relative depth error.
+    Right(f64),
+    /// Another surface.
+    WrongSurface,
+    /// Nothing stored where there is a caster.
+    Hole,
+    /// Something stored where there is no caster.
+    Phantom,
+}
+
+/// Figures about a map read back as the image of the pair ([`MapGeometry`]), 0 where it is empty.
+///
+/// # Panics
+/// When `stored` doesn't have as many texels as the ideal map.
+#[must_use]
+pub fn map_error(stored: &[f32], ideal: &IdealMap, reference: &Reference, view: &View) -> MapError {
+    let verdicts = judge_texels(stored, ideal, reference, view);
+    let count = |verdict| verdicts.par_iter().filter(|&&v| v == verdict).count();
+    let texels = verdicts.len() - count(TexelVerdict::NotJudged);
+    let errors = depth_errors(&verdicts);
+    let distances = silhouette_distances(&verdicts, ideal, reference, view);
+    MapError {
+        texels,
+        wrong_surface_ppm: per_million(count(TexelVerdict::WrongSurface), texels),
+        holes: count(TexelVerdict::Hole),
+        phantoms: count(TexelVerdict::Phantom),
+        depth_error_median: quantile(&errors, 0.5),
+        depth_error_p99: quantile(&errors, 0.99),
+        depth_error_max: quantile(&errors, 1.0),
+        strays: distances.iter().filter(|&&distance| distance > 1.0).count(),
+        silhouette_distance_max: distances.iter().copied().fold(0.0, f64::max),
+    }
+}
+
+/// The verdict on every texel of the image of the pair; see [`MapError`] for what each means.
+///
+/// # Panics
+/// When `stored` doesn't have as many texels as the ideal map.
+#[must_use]
+pub fn judge_texels(stored: &[f32], ideal: &IdealMap, reference: &Reference, view: &View) -> Vec<TexelVerdict> {
+    assert_eq!(stored.len(), ideal.depths.len(), "the maps differ in size");
+    let judge = Judge {
+        geometry: ideal.geometry,
+        reference,
+        view,
+    };
+    (0..stored.len())
+        .into_par_iter()
+        .map(|index| {
+            judge.texel(
+                f64::from(stored[index]),
+                ideal.depths[index],
+                ideal.triangles[index],
+                index,
+            )
+        })
+        .collect()
+}
+
+struct Judge<'a> {
+    geometry: MapGeometry,
+    reference: &'a Reference,
+    view: &'a View,
+}
+
+impl Judge<'_> {
+    fn texel(&self, stored: f64, ideal: f64, triangle: u32, index: usize) -> TexelVerdict {
+        let (back, i, j) = self.geometry.texel_at(index);
+        let p = self.geometry.centre(i, j);
+        if p.length() > 1.0 + self.geometry.guard - self.geometry.texel() {
+            return TexelVerdict::NotJudged;
+        }
+        if triangle == NO_TRIANGLE {
+            return if stored == 0.0 {
+                TexelVerdict::Empty
+            } else {
+                TexelVerdict::Phantom
+            };
+        }
+        let same_surface = stored > 0.0 && self.is_on_surface(stored, ideal, triangle, p, back);
+        if self.distance(ideal, p) > self.view.range {
+            let intrudes = stored > 0.0 && !same_surface && self.distance(stored, p) <= self.view.range;
+            return if intrudes {
+                TexelVerdict::Phantom
+            } else {
+                TexelVerdict::NotJudged
+            };
+        }
+        match (stored == 0.0, same_surface) {
+            (true, _) => TexelVerdict::Hole,
+            (false, true) => TexelVerdict::Right((stored - ideal).abs() / ideal),
+            (false, false) => TexelVerdict::WrongSurface,
+        }
+    }
+
+    /// Distance from the light, in world units, of a depth at map coordinates `p`.
+    fn distance(&self, depth: f64, p: DVec2) -> f64 {
+        self.view.near / depth * paraboloid::unproject_scaled(p).length()
+    }
+
+    fn is_on_surface(&self, stored: f64, ideal: f64, triangle: u32, p: DVec2, back: bool) -> bool {
+        let point = self.view.to_world(paraboloid::unproject(p), back) * self.distance(stored, p);
+        let footprint = self.distance(ideal, p) * paraboloid::texel_angle(p, self.geometry.texel());
+        self.reference.height(point, triangle).abs() <= SURFACE_TOLERANCE * footprint
+    }
+}
+
+fn depth_errors(verdicts: &[TexelVerdict]) -> Vec<f64> {
+    let mut errors: Vec<f64> = verdicts
+        .par_iter()
+        .filter_map(|verdict| {
+            if let TexelVerdict::Right(error) = verdict {
+                Some(*error)
+            } else {
+                None
+            }
+        })
+        .collect();
+    errors.par_sort_unstable_by(f64::total_cmp);
+    errors
+}
+
+/// The value below which a share of a sorted list lies (the nearest rank); 0 for an empty list.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
+}
+
+/// For each wrong surface, hole and phantom its distance from a silhouette, in texels.
+fn silhouette_distances(verdicts: &[TexelVerdict], ideal: &IdealMap, reference: &Reference, view: &View) -> Vec<f64> {
+    let search = SilhouetteSearch {
+        geometry: ideal.geometry,
+        reference,
+        view,
+    };
+    verdicts
+        .par_iter()
+        .enumerate()
+        .filter(|(_, verdict)| {
+            matches!(
+                verdict,
+                TexelVerdict::WrongSurface | TexelVerdict::Hole | TexelVerdict::Phantom
+            )
+        })
+        .map(|(index, _)| {
+            let (back, i, j) = ideal.geometry.texel_at(index);
+            search.distance(ideal.geometry.centre(i, j), back)
+        })
+        .collect()
+}
+
+struct SilhouetteSearch<'a> {
+    geometry: MapGeometry,
+    reference: &'a Reference,
+    view: &'a View,
+}
+
+/// A ray's direction in world axes, the angle a texel spans there, and what it meets.
+#[derive(Clone, Copy)]
+struct Ray {
+    direction: DVec3,
+    texel_angle: f64,
+    hit: Option<Hit>,
+}
+
+impl SilhouetteSearch<'_> {
+    /// Distance in texels from map coordinates `p` to the nearest silhouette: rays along spokes, ring by ring
+    /// outward, until the surface steps between one ring and the next. Infinite if none is within reach.
+    fn distance(&self, p: DVec2, back: bool) -> f64 {
+        let mut spokes = [self.cast(p, back); SILHOUETTE_SPOKES];
+        let rings = (SILHOUETTE_REACH / SILHOUETTE_STEP).round() as usize;
+        for ring in 1..=rings {
+            let radius = ring as f64 * SILHOUETTE_STEP;
+            for (number, spoke) in spokes.iter_mut().enumerate() {
+                let angle = TAU * number as f64 / SILHOUETTE_SPOKES as f64;
+                let ray = self.cast(p + DVec2::from_angle(angle) * (radius * self.geometry.texel()), back);
+                if self.is_step(spoke, &ray) {
+                    return radius;
+                }
+                *spoke = ray;
+            }
+        }
+        f64::INFINITY
+    }
+
+    fn cast(&self, p: DVec2, back: bool) -> Ray {
+        let d = paraboloid::unproject(p);
+        let direction = self.view.to_world(d, back);
+        let hit = self.reference.nearest(direction, self.view.clip_distance(d));
+        Ray {
+            direction,
+            texel_angle: paraboloid::texel_angle(p, self.geometry.texel()),
+            hit,
+        }
+    }
+
+    fn is_step(&self, one: &Ray, other: &Ray) -> bool {
+        match (one.hit, other.hit) {
+            (Some(a), Some(b)) => self.is_off(one, a, b.triangle) || self.is_off(other, b, a.triangle),
+            (None, None) => false,
+            _ => true,
+        }
+    }
+
+    /// Whether what a ray meets is off another triangle's plane.
+    fn is_off(&self, ray: &Ray, hit: Hit, triangle: u32) -> bool {
+        let height = self.reference.height(ray.direction * hit.t, triangle).abs();
+        height > SURFACE_TOLERANCE * ray.texel_angle * hit.t
+    }
+}

@@ -1,0 +1,256 @@
+//! Points to ask for their shadow, and the truth at them.
+
+use glam::{DVec3, Vec3};
+use rand::Rng;
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+
+use crate::compare::ideal::{IdealMap, Lookup};
+use crate::compare::reference::{Reference, View};
+use crate::paraboloid::double as paraboloid;
+
+/// Receivers whose normal is closer than this to a right angle with the direction to the light, as the cosine, aren't
+/// drawn: such surfaces get next to no light, whatever their shadow.
+const MIN_INCIDENCE: f64 = 0.02;
+
+/// A triangle is cut until the distances from the light to its parts vary by at most this factor, so that drawing
+/// uniformly over a part and rejecting takes few draws.
+const DISTANCE_RATIO: f64 = 2.0;
+
+/// Draws for one receiver before it is given up: only a scene whose every surface is edge-on needs so many.
+const MAX_DRAWS: usize = 10_000;
+
+/// A point on a surface of the scene, as a renderer's shader would have it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Receiver {
+    /// Position in the world, rounded to single precision. The truth is judged here, not at the point that was drawn.
+    pub position: Vec3,
+    /// Unit geometric normal in the world; corners are anticlockwise around it.
+    pub normal: Vec3,
+    /// Index of the triangle it was drawn on.
+    pub triangle: u32,
+    /// How far rounding moved the position, in world units.
+    pub rounding: f64,
+}
+
+impl Receiver {
+    /// The position relative to the light, in world axes.
+    #[must_use]
+    pub fn relative(&self, light_position: DVec3) -> DVec3 {
+        self.position.as_dvec3() - light_position
+    }
+
+    /// How far the position may be off the surfaces it was meant to lie on, in world units: its rounding, and that of
+    /// double precision.
+    #[must_use]
+    pub fn slack(&self, light_position: DVec3) -> f64 {
+        1.01 * self.rounding + 1e-9 * self.relative(light_position).length()
+    }
+}
+
+/// Draws `n` receivers over all triangles, casters or not, with probability in proportion to area / distance^2.
+///
+/// Kept are points with `w >= near` in their hemisphere, within the light's range, on surfaces whose normal has a
+/// cosine of more than 0.02 (either sign) with the direction to the light. The weight is exact for triangles of any
+/// size: they are cut until the distance varies little over a part, and drawn by rejection within it. The same seed
+/// gives the same receivers, on any number of threads. Fewer than `n` come back where next to no surface qualifies.
+#[must_use]
+pub fn sample_receivers(reference: &Reference, view: &View, n: usize, seed: u64) -> Vec<Receiver> {
+    let sampler = Sampler::new(reference, view);
+    (0..n)
+        .into_par_iter()
+        .filter_map(|i| sampler.draw(&mut Pcg64::new(u128::from(seed), i as u128)))
+        .collect()
+}
+
+/// For each receiver, whether the light reaches it: a segment test in double precision at the rounded position.
+///
+/// Nothing occludes that the map has to leave out: what is nearer than the clip distance. Neither does the receiver's
+/// own triangle nor a surface that the position lies on within its rounding ([`Reference::occluded`]).
+#[must_use]
+pub fn truth(receivers: &[Receiver], reference: &Reference, view: &View) -> Vec<bool> {
+    receivers
+        .par_iter()
+        .map(|receiver| {
+            let target = receiver.relative(view.position);
+            let (x, _) = view.to_hemisphere(target);
+            let t_min = view.clip_distance(x.normalize());
+            !reference.occluded(target, Some(receiver.triangle), t_min, receiver.slack(view.position))
+        })
+        .collect()
+}
+
+/// What the lookup answers for each receiver on a ray-cast map: the input of the ideal's [`super::shadow_error()`].
+#[must_use]
+pub fn ideal_shadows(receivers: &[Receiver], map: &IdealMap, lookup: &Lookup) -> Vec<f32> {
+    receivers
+        .par_iter()
+        .map(|receiver| {
+            let (position, normal) = (receiver.position.as_dvec3(), receiver.normal.as_dvec3());
+            lookup.shadow(|texel| map.depths[texel], position, normal) as f32
+        })
+        .collect()
+}
+
+/// A part of a triangle over which the distance to the light varies little.
+struct Piece {
+    triangle: u32,
+    /// Weights of the triangle's second and third corner at the piece's corners. Halves of halves: exact.
+    corners: [[f32; 2]; 3],
+}
+
+impl Piece {
+    fn corners(&self, triangle: &[DVec3; 3]) -> [DVec3; 3] {
+        self.corners
+            .map(|[b, c]| interpolate(triangle, f64::from(b), f64::from(c)))
+    }
+
+    /// Cuts the piece at the middle of its longest edge.
+    fn halves(&self, corners: &[DVec3; 3]) -> [Self; 2] {
+        let length = |i: usize| corners[i].distance_squared(corners[(i + 1) % 3]);
+        let longest = (0..3).max_by(|&i, &j| length(i).total_cmp(&length(j))).unwrap_or(0);
+        let (a, b, c) = (
+            self.corners[longest],
+            self.corners[(longest + 1) % 3],
+            self.corners[(longest + 2) % 3],
+        );
+        let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+        let triangle = self.triangle;
+        [
+            Self {
+                triangle,
+                corners: [a, middle, c],
+            },
+            Self {
+                triangle,
+                corners: [middle, b, c],
+            },
+        ]
+    }
+}
+
+fn interpolate(triangle: &[DVec3; 3], b: f64, c: f64) -> DVec3 {
+    triangle[0] * (1.0 - b - c) + triangle[1] * b + triangle[2] * c
+}
+
+struct Sampler<'a> {
+    reference: &'a Reference,
+    view: &'a View,
+    pieces: Vec<Piece>,
+    /// Running sum of the pieces' weights, area / (shortest distance)^2.
+    cumulative: Vec<f64>,
+}
+
+impl<'a> Sampler<'a> {
+    fn new(reference: &'a Reference, view: &'a View) -> Self {
+        let (pieces, mut cumulative): (Vec<Piece>, Vec<f64>) = (0..reference.triangles().len() as u32)
+            .into_par_iter()
+            .flat_map_iter(|triangle| weighted_pieces(reference, view, triangle))
+            .unzip();
+        let mut sum = 0.0;
+        for weight in &mut cumulative {
+            sum += *weight;
+            *weight = sum;
+        }
+        Self {
+            reference,
+            view,
+            pieces,
+            cumulative,
+        }
+    }
+
+    fn draw(&self, random: &mut Pcg64) -> Option<Receiver> {
+        let total = *self.cumulative.last()?;
+        (0..MAX_DRAWS).find_map(|_| {
+            let share = random.random::<f64>() * total;
+            let piece = &self.pieces[self
+                .cumulative
+                .partition_point(|&sum| sum <= share)
+                .min(self.pieces.len() - 1)];
+            self.draw_on(piece, random)
+        })
+    }
+
+    fn draw_on(&self, piece: &Piece, random: &mut Pcg64) -> Option<Receiver> {
+        let corners = piece.corners(&self.reference.triangles()[piece.triangle as usize]);
+        let (root, share) = (random.random::<f64>().sqrt(), random.random::<f64>());
+        let point = interpolate(&corners, root * (1.0 - share), root * share);
+        let keep = (shortest_distance(&corners, self.view) / point.length()).powi(2);
+        if random.random::<f64>() >= keep {
+            return None;
+        }
+        self.receiver(piece.triangle, point)
+    }
+
+    fn receiver(&self, triangle: u32, point: DVec3) -> Option<Receiver> {
+        let normal = self.reference.normal(triangle);
+        if normal.dot(point).abs() <= MIN_INCIDENCE * point.length() {
+            return None;
+        }
+        let exact = self.view.position + point;
+        let position = exact.as_vec3();
+        let rounding = position.as_dvec3().distance(exact);
+        let receiver = Receiver {
+            position,
+            normal: normal.as_vec3(),
+            triangle,
+            rounding,
+        };
+        let (x, _) = self.view.to_hemisphere(receiver.relative(self.view.position));
+        let held = paraboloid::homogeneous_w(x) >= self.view.near && x.length() <= self.view.range;
+        held.then_some(receiver)
+    }
+}
+
+/// The parts of a triangle that receivers may lie on, each with its weight.
+fn weighted_pieces(reference: &Reference, view: &View, triangle: u32) -> Vec<(Piece, f64)> {
+    let triangle_corners = &reference.triangles()[triangle as usize];
+    if reference.normal(triangle) == DVec3::ZERO || !triangle_corners.iter().all(|corner| corner.is_finite()) {
+        return Vec::new();
+    }
+    let mut pieces = Vec::new();
+    let mut rest = vec![Piece {
+        triangle,
+        corners: [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+    }];
+    while let Some(piece) = rest.pop() {
+        let corners = piece.corners(triangle_corners);
+        let farthest = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
+        let nearest = shortest_distance(&corners, view);
+        if farthest < nearest || nearest > view.range {
+            // All of it is nearer than any w >= near allows, or out of range.
+        } else if farthest > DISTANCE_RATIO * nearest {
+            rest.extend(piece.halves(&corners));
+        } else {
+            let area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
+            pieces.push((piece, area / (nearest * nearest)));
+        }
+    }
+    pieces
+}
+
+/// Distance to the nearest point of a triangle that may hold a receiver, from below: `w >= near` means
+/// `t >= near / 2`.
+fn shortest_distance(corners: &[DVec3; 3], view: &View) -> f64 {
+    distance_to_triangle(corners).max(0.5 * view.near)
+}
+
+/// Distance from the origin to a triangle of non-zero area.
+fn distance_to_triangle(corners: &[DVec3; 3]) -> f64 {
+    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    let inside = (0..3).all(|i| corners[i].cross(corners[(i + 1) % 3]).dot(normal) >= 0.0);
+    if inside {
+        return corners[0].dot(normal).abs() / normal.length();
+    }
+    (0..3)
+        .map(|i| distance_to_segment(corners[i], corners[(i + 1) % 3]))
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Distance from the origin to the segment between two points.
+fn distance_to_segment(a: DVec3, b: DVec3) -> f64 {
+    let along = b - a;
+    let share = (-a.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    (a + along * share).length()
+}
