@@ -57,8 +57,8 @@ pub fn hall() -> Scene {
 #[must_use]
 pub fn hall_camera() -> Camera {
     Camera {
-        eye: Vec3::new(2.7, 3.1, 11.2),
-        target: Vec3::new(-0.5, 1.9, -1.0),
+        eye: Vec3::new(2.2, 3.1, 9.6),
+        target: Vec3::new(-0.5, 1.7, -1.0),
         fov_y: FRAC_PI_3,
     }
 }

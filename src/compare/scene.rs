@@ -167,15 +167,20 @@ impl Scene {
     /// Lowest and highest corner in world space over all drawn triangles; `None` if nothing is drawn.
     #[must_use]
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let points = self.drawn_points().map(|point| (point, point));
+        points.reduce(|(low, high), (point, _)| (low.min(point), high.max(point)))
+    }
+
+    /// World-space positions of all vertices that some drawn triangle uses.
+    fn drawn_points(&self) -> impl Iterator<Item = Vec3> {
         let drawn: Vec<_> = self.meshes.iter().map(SceneMesh::drawn_positions).collect();
-        let points = self.instances.iter().flat_map(|instance| {
+        self.instances.iter().flat_map(move |instance| {
+            let to_world = |&position| instance.transform.transform_point3(position);
             drawn[instance.mesh]
                 .iter()
-                .map(|&position| instance.transform.transform_point3(position))
-        });
-        points
-            .map(|point| (point, point))
-            .reduce(|(low, high), (point, _)| (low.min(point), high.max(point)))
+                .map(to_world)
+                .collect::<Vec<_>>()
+        })
     }
 
     /// Number of drawn triangles, instances counted.
@@ -370,7 +375,7 @@ pub const LIGHTS: &[(&str, &[[f32; 3]])] = &[
     ("carbon_cage.glb", &[[-0.14, 0.46, 0.0]]),
     ("house_masked.glb", &[[0.1, 0.06, 0.12]]),
     ("mirrored_props.glb", &[[0.0, -2.5, 0.0]]),
-    ("dutch_ship.glb", &[[-5.2, 9.0, -5.6]]),
+    ("dutch_ship.glb", &[[-1.4, 6.1, 5.1]]),
     ("alpha_modes.glb", &[[1.56, 1.43, 1.39]]),
     ("teapots_expanded.glb", &[[-36.0, 76.0, -28.0]]),
     ("flight_helmet.glb", &[[0.19, 0.31, -0.09]]),

@@ -13,7 +13,7 @@ use super::{
 };
 
 /// More elements than any test scene has, yet few enough that a hostile count cannot exhaust the memory.
-const MAX_ELEMENTS: usize = 1 << 27;
+const MAX_ELEMENTS: usize = 1 << 26;
 
 /// Reads accessors of one document, and keeps count of what was read.
 pub(super) struct Reader<'a> {

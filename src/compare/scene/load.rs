@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, io::Cursor, ops::Range, path::Path};
 
-use glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3};
+use glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, Vec3};
 use gltf::json::{
     self,
     accessor::Type,
@@ -44,6 +44,9 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
         return Err(SceneError::NoTriangles {
             path: path.to_owned(),
         });
+    }
+    if !loader.scene.drawn_points().all(Vec3::is_finite) {
+        return Err(document.invalid("in world space a position passes the range of f32"));
     }
     Ok(loader.scene)
 }
@@ -203,6 +206,8 @@ impl Loader<'_> {
                 "the instance attributes of node {node} differ in length"
             )));
         }
+        // Before memory is taken for them; an accessor without data can state any count.
+        self.check_instances(count)?;
         let placement = |k: usize| {
             let translation = translation.as_ref().map_or([0.0; 3], |all| all[k]);
             let rotation = rotation.as_ref().map_or([0.0, 0.0, 0.0, 1.0], |all| all[k]);
@@ -456,6 +461,10 @@ impl Loader<'_> {
             "the texture of a material".to_owned()
         })?;
         let source = texture.source.value();
+        // How the schema crate says "absent", which is so where only an extension names the image.
+        if source == u32::MAX as usize {
+            return Err(document.invalid(format!("texture {index} has no PNG or JPEG image")));
+        }
         if let Some(&image) = self.images.get(&source) {
             return Ok(image);
         }

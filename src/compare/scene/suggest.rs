@@ -14,7 +14,7 @@ const EXAMINED: usize = 200_000;
 /// Triangles of each instance that are looked at however many there are, so that no wall is missed.
 const EXAMINED_PER_INSTANCE: usize = 16;
 /// Largest triangles that the shortlist is judged against.
-const FINE: usize = 60_000;
+const FINE: usize = 30_000;
 /// Largest triangles that all candidates are judged against.
 const COARSE: usize = 2_000;
 const CANDIDATES: usize = 128;
@@ -23,7 +23,7 @@ const MARGIN: f32 = 0.12;
 const SHORTLIST: usize = 6;
 const RAYS: usize = 48;
 /// Share of directions that hit something, from which on a point counts as indoors.
-const ENCLOSED: f32 = 0.8;
+const ENCLOSED: f32 = 0.7;
 
 /// A coarse stand-in for a scene.
 struct Sketch {
@@ -92,8 +92,7 @@ impl Sketch {
     /// `None` for a scene without triangles.
     fn of(scene: &Scene) -> Option<Self> {
         let mut sampled = sample(scene);
-        let centers: Vec<Vec3> = sampled.iter().map(|[a, b, c]| (a + b + c) / 3.0).collect();
-        let (low, high) = main_box(&centers)?;
+        let (low, high) = main_box(&sampled)?;
         largest_first(&mut sampled, FINE);
         sampled.truncate(FINE);
         largest_first(&mut sampled, COARSE);
@@ -213,17 +212,21 @@ fn sample(scene: &Scene) -> Vec<[Vec3; 3]> {
     out
 }
 
-/// Per axis, where the middle 96 % of the triangles' centres lie.
-fn main_box(centers: &[Vec3]) -> Option<(Vec3, Vec3)> {
-    let mut ends = [[0.0; 3]; 2];
-    for axis in 0..3 {
-        let mut along: Vec<f32> = centers.iter().map(|center| center[axis]).collect();
+/// Per axis, where the middle 96 % of the triangles' centres lie; `None` without triangles.
+fn main_box(triangles: &[[Vec3; 3]]) -> Option<(Vec3, Vec3)> {
+    let centers = triangles.iter().map(|[a, b, c]| (a + b + c) / 3.0);
+    let mut along: [Vec<f32>; 3] = Default::default();
+    for center in centers {
+        (0..3).for_each(|axis| along[axis].push(center[axis]));
+    }
+    let (mut low, mut high) = (Vec3::ZERO, Vec3::ZERO);
+    for (axis, along) in along.iter_mut().enumerate() {
         along.sort_unstable_by(f32::total_cmp);
         let trimmed = along.len() / 50;
-        ends[0][axis] = *along.get(trimmed)?;
-        ends[1][axis] = along[along.len() - 1 - trimmed];
+        low[axis] = *along.get(trimmed)?;
+        high[axis] = along[along.len() - 1 - trimmed];
     }
-    Some((ends[0].into(), ends[1].into()))
+    Some((low, high))
 }
 
 /// Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection" (1997), both sides.
