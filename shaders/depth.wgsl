@@ -25,5 +25,5 @@ fn depth(@location(0) position: vec3<f32>) -> @invariant @builtin(position) vec4
         dot(hemisphere.up, relative),
         dot(hemisphere.forward, relative),
     );
-    return dp_clip_position_scaled(x, hemisphere.near, hemisphere.scale);
+    return dp_clip_position(x, hemisphere.near, hemisphere.scale);
 }

@@ -35,7 +35,7 @@ fn dp_unproject(p: vec2<f32>) -> vec3<f32> {
     return dp_unproject_scaled(p) * (2.0 / (1.0 + dot(p, p)));
 }
 
-fn dp_clip_position_scaled(x: vec3<f32>, near: f32, scale: f32) -> vec4<f32> {
+fn dp_clip_position(x: vec3<f32>, near: f32, scale: f32) -> vec4<f32> {
     let l = length(x);
     let w = dp_homogeneous_w(x);
     let z = select(near, 2.0 * l, x.z < DP_BEHIND * l);

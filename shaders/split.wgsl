@@ -69,9 +69,9 @@ fn split(
 fn work(hemisphere: u32, thread: u32, on_stack: u32) {
     let room = (STACK - RESERVE - min(on_stack, STACK - RESERVE)) / 3u;
     let taken = min(min(on_stack, THREADS), max(room, 1u));
-    let active = thread < taken;
+    let works = thread < taken;
     var piece: Piece;
-    if active {
+    if works {
         piece = read_stack(on_stack - 1u - thread);
     }
     workgroupBarrier();
@@ -81,7 +81,7 @@ fn work(hemisphere: u32, thread: u32, on_stack: u32) {
     workgroupBarrier();
     var leaf = false;
     var place = 0u;
-    if active {
+    if works {
         leaf = cut(piece, hemisphere);
     }
     if leaf {

@@ -35,13 +35,13 @@ fn transform_chunk(chunk: u32, thread: u32) {
     var low = vec3<f32>(3.4e38);
     var high = vec3<f32>(-3.4e38);
     for (var v = thread; v < vertex_count(source); v += THREADS) {
-        let from = 3u * (source.local_vertex + v);
-        let local = vec4<f32>(local_positions[from], local_positions[from + 1u], local_positions[from + 2u], 1.0);
+        let source_at = 3u * (source.local_vertex + v);
+        let local = vec4<f32>(local_positions[source_at], local_positions[source_at + 1u], local_positions[source_at + 2u], 1.0);
         let world = vec3<f32>(dot(row_x, local), dot(row_y, local), dot(row_z, local));
-        let to = 3u * (source.vertex + v);
-        positions[to] = world.x;
-        positions[to + 1u] = world.y;
-        positions[to + 2u] = world.z;
+        let at = 3u * (source.vertex + v);
+        positions[at] = world.x;
+        positions[at + 1u] = world.y;
+        positions[at + 2u] = world.z;
         low = min(low, world);
         high = max(high, world);
     }

@@ -1,4 +1,3 @@
-<<<<<<< HEAD
 //! Omnidirectional shadows for point lights from a dual paraboloid pair.
 
 mod arena;
@@ -25,9 +24,3 @@ pub use casters::{CasterMesh, Casters, Indices, InstanceId, MeshId, Sides};
 pub use error::Error;
 pub use light::{Coverage, PointLight};
 pub use shadows::{LightId, PointShadows, PointShadowsDescriptor};
-=======
-//! stub
-#[cfg(feature = "compare")]
-pub mod compare;
-pub mod paraboloid;
->>>>>>> truth

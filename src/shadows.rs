@@ -76,6 +76,8 @@ pub struct PointShadows {
     depth: Depth,
     views: wgpu::Buffer,
     arguments: wgpu::Buffer,
+    /// Jobs of the last recording that made a map.
+    jobs: usize,
     groups: Option<Groups>,
 }
 
@@ -132,6 +134,7 @@ impl PointShadows {
             depth: Depth::new(device, capacity),
             views: job_buffer(device, "views", capacity, wgpu::BufferUsages::UNIFORM),
             arguments: argument_buffer(device, capacity),
+            jobs: 0,
             groups: None,
         })
     }
@@ -288,6 +291,7 @@ impl PointShadows {
             pieces: self.split.capacity(),
         };
         let jobs = stale.len() * ranges.len();
+        self.jobs = jobs;
         if jobs as u64 * SLOT > self.views.size() {
             self.views = job_buffer(device, "views", jobs as u32, wgpu::BufferUsages::UNIFORM);
             self.arguments = argument_buffer(device, jobs as u32);
@@ -346,6 +350,12 @@ impl PointShadows {
     #[must_use]
     pub fn half_width(&self) -> f32 {
         self.shape.half_width
+    }
+
+    /// The counters of the last recording that made a map, and for how many jobs there are some.
+    #[cfg(feature = "compare")]
+    pub(crate) fn counters(&self) -> (&wgpu::Buffer, usize) {
+        (&self.arguments, self.jobs)
     }
 
     /// Bytes on the GPU: the maps, and the lists that the lights share.

@@ -39,8 +39,7 @@ impl Maker {
     fn triangle() -> Self {
         let mut maker = Self::new();
         let positions = maker.floats(&TRIANGLE);
-        maker.json["meshes"] =
-            json!([{ "primitives": [{ "attributes": { "POSITION": positions } }] }]);
+        maker.json["meshes"] = json!([{ "primitives": [{ "attributes": { "POSITION": positions } }] }]);
         maker
     }
 
@@ -48,54 +47,36 @@ impl Maker {
     fn accessor(&mut self, bytes: &[u8], component: u32, kind: &str, count: usize) -> usize {
         let view = self.view(bytes);
         let accessors = self.json["accessors"].as_array_mut().unwrap();
-        accessors.push(
-            json!({ "bufferView": view, "componentType": component, "type": kind, "count": count }),
-        );
+        accessors.push(json!({ "bufferView": view, "componentType": component, "type": kind, "count": count }));
         accessors.len() - 1
     }
 
     fn view(&mut self, bytes: &[u8]) -> usize {
         let views = self.json["bufferViews"].as_array_mut().unwrap();
-        views.push(
-            json!({ "buffer": 0, "byteOffset": self.buffer.len(), "byteLength": bytes.len() }),
-        );
+        views.push(json!({ "buffer": 0, "byteOffset": self.buffer.len(), "byteLength": bytes.len() }));
         self.buffer.extend(bytes);
         self.buffer.resize(self.buffer.len().next_multiple_of(4), 0);
         views.len() - 1
     }
 
     fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
-        let bytes: Vec<u8> = values
-            .iter()
-            .flatten()
-            .flat_map(|value| value.to_le_bytes())
-            .collect();
+        let bytes: Vec<u8> = values.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
         self.accessor(&bytes, FLOAT, &format!("VEC{N}"), values.len())
     }
 
     fn shorts<const N: usize>(&mut self, values: &[[i16; N]]) -> usize {
-        let bytes: Vec<u8> = values
-            .iter()
-            .flatten()
-            .flat_map(|value| value.to_le_bytes())
-            .collect();
+        let bytes: Vec<u8> = values.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
         self.accessor(&bytes, SHORT, &format!("VEC{N}"), values.len())
     }
 
     fn indices(&mut self, values: &[u16]) -> usize {
-        let bytes: Vec<u8> = values
-            .iter()
-            .flat_map(|value| value.to_le_bytes())
-            .collect();
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         self.accessor(&bytes, UNSIGNED_SHORT, "SCALAR", values.len())
     }
 
     /// The document as `.gltf`, the buffer in a data URI.
     fn gltf(&self) -> Vec<u8> {
-        let uri = format!(
-            "data:application/octet-stream;base64,{}",
-            base64(&self.buffer)
-        );
+        let uri = format!("data:application/octet-stream;base64,{}", base64(&self.buffer));
         let mut json = self.json.clone();
         json["buffers"] = json!([{ "byteLength": self.buffer.len(), "uri": uri }]);
         json.to_string().into_bytes()
@@ -129,9 +110,7 @@ impl Maker {
 fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let group = |group: &[u8]| {
-        let bits = (0..3).fold(0, |bits, k| {
-            bits << 8 | u32::from(group.get(k).copied().unwrap_or(0))
-        });
+        let bits = (0..3).fold(0, |bits, k| bits << 8 | u32::from(group.get(k).copied().unwrap_or(0)));
         let digit = |k: usize| {
             if k > group.len() {
                 '='
@@ -168,10 +147,7 @@ fn both_containers_give_the_same_scene() {
     let binary = load("containers.glb", &maker.glb()).unwrap();
     assert_eq!(text.meshes[0].positions, TRIANGLE);
     assert_eq!(text.meshes[0].indices, [0, 1, 2]);
-    assert_eq!(
-        text.world_triangles().corners,
-        binary.world_triangles().corners
-    );
+    assert_eq!(text.world_triangles().corners, binary.world_triangles().corners);
     assert_eq!([text.name, binary.name], ["containers"; 2]);
 }
 
@@ -188,13 +164,7 @@ fn buffers_beside_the_file_are_found_through_escapes() {
         1
     );
     json["buffers"][0]["uri"] = json!("absent.bin");
-    assert!(
-        message(
-            "absent.bin",
-            load("beside.gltf", json.to_string().as_bytes())
-        )
-        .contains("check the path")
-    );
+    assert!(message("absent.bin", load("beside.gltf", json.to_string().as_bytes())).contains("check the path"));
 }
 
 #[test]
@@ -227,11 +197,7 @@ fn instance_rotations_may_be_normalised_integers() {
     maker.json["nodes"][0]["extensions"] =
         json!({ "EXT_mesh_gpu_instancing": { "attributes": { "ROTATION": rotation } } });
     let transform = maker.load("integer_rotation").unwrap().instances[0].transform;
-    assert!(
-        transform
-            .transform_vector3(Vec3::X)
-            .abs_diff_eq(Vec3::Y, 1e-6)
-    );
+    assert!(transform.transform_vector3(Vec3::X).abs_diff_eq(Vec3::Y, 1e-6));
 }
 
 #[test]
@@ -240,13 +206,10 @@ fn instance_attributes_must_agree() {
     let translation = maker.floats(&[[0.0; 3]; 2]);
     let scale = maker.floats(&[[1.0; 3]; 3]);
     let mut set = |attributes: Value| {
-        maker.json["nodes"][0]["extensions"] =
-            json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
+        maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
         message("disagree", maker.load("disagree"))
     };
-    assert!(
-        set(json!({ "TRANSLATION": translation, "SCALE": scale })).contains("differ in length")
-    );
+    assert!(set(json!({ "TRANSLATION": translation, "SCALE": scale })).contains("differ in length"));
     assert!(set(json!({})).contains("without attributes"));
     assert!(set(json!({ "SCALE": "many" })).contains("\"many\""));
     assert!(set(json!({ "SCALE": 99 })).contains("is 99, but there are only 3"));
@@ -261,10 +224,7 @@ fn nodes_compose_in_double_precision() {
         { "translation": [-16_777_216.0, 0.0, 0.0], "mesh": 0 },
     ]);
     assert_eq!(
-        maker.load("precision").unwrap().instances[0]
-            .transform
-            .translation
-            .x,
+        maker.load("precision").unwrap().instances[0].transform.translation.x,
         0.75
     );
 }
@@ -275,13 +235,10 @@ fn strips_and_fans_become_lists() {
     let positions = maker.floats(&[[0.0; 3]; 5]);
     let indices = maker.indices(&[4, 3, 2, 1, 0]);
     let primitive = |mode: u32| json!({ "attributes": { "POSITION": positions }, "indices": indices, "mode": mode });
-    maker.json["meshes"] = json!([{ "primitives": [primitive(0), primitive(1), primitive(4), primitive(5), primitive(6)] }]);
+    maker.json["meshes"] =
+        json!([{ "primitives": [primitive(0), primitive(1), primitive(4), primitive(5), primitive(6)] }]);
     let scene = maker.load("strips").unwrap();
-    let lists: Vec<_> = scene
-        .meshes
-        .iter()
-        .map(|mesh| mesh.indices.as_slice())
-        .collect();
+    let lists: Vec<_> = scene.meshes.iter().map(|mesh| mesh.indices.as_slice()).collect();
     assert_eq!(
         lists,
         [
@@ -296,12 +253,10 @@ fn strips_and_fans_become_lists() {
 fn sparse_accessors_replace_values() {
     let mut maker = Maker::triangle();
     let at = maker.view(&[2]);
-    let new: Vec<u8> = [0.0_f32, 7.0, 0.0]
-        .into_iter()
-        .flat_map(f32::to_le_bytes)
-        .collect();
+    let new: Vec<u8> = [0.0_f32, 7.0, 0.0].into_iter().flat_map(f32::to_le_bytes).collect();
     let new = maker.view(&new);
-    maker.json["accessors"][0]["sparse"] = json!({ "count": 1, "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": new } });
+    maker.json["accessors"][0]["sparse"] =
+        json!({ "count": 1, "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": new } });
     let positions = maker.load("sparse").unwrap().meshes[0].positions.clone();
     assert_eq!(positions, [TRIANGLE[0], TRIANGLE[1], [0.0, 7.0, 0.0]]);
     maker.json["accessors"][0]["count"] = json!(2);
@@ -323,10 +278,7 @@ fn quantised_positions_are_read() {
     );
     maker.json["accessors"][positions]["normalized"] = json!(true);
     let positions = maker.load("quantised").unwrap().meshes[0].positions.clone();
-    assert_eq!(
-        positions[1..],
-        [[1.0, 0.0, 0.0], [0.0, -1.0, 100.0 / 32767.0]]
-    );
+    assert_eq!(positions[1..], [[1.0, 0.0, 0.0], [0.0, -1.0, 100.0 / 32767.0]]);
 }
 
 #[test]
@@ -368,12 +320,8 @@ fn materials_and_their_images_are_read() {
     assert_eq!(scene.meshes[0].tex_coords.as_ref().unwrap()[2], [0.0, 0.25]);
 
     maker.json["images"] = json!([{ "uri": format!("data:image/png;base64,{}", base64(&png)) }]);
-    assert_eq!(
-        maker.load("materials").unwrap().images[0].dimensions(),
-        (3, 2)
-    );
-    maker.json["images"] =
-        json!([{ "uri": format!("data:image/png;base64,{}", base64(&png[..30])) }]);
+    assert_eq!(maker.load("materials").unwrap().images[0].dimensions(), (3, 2));
+    maker.json["images"] = json!([{ "uri": format!("data:image/png;base64,{}", base64(&png[..30])) }]);
     assert!(message("materials", maker.load("materials")).contains("image 0 cannot be used"));
     maker.json["images"] = json!([{ "uri": "lost.png" }]);
     assert!(message("materials", maker.load("materials")).contains("lost.png"));
@@ -403,10 +351,7 @@ fn only_point_lights_are_kept() {
         ([1.0, 0.5, 0.0], 7.0, Some(9.0))
     );
     maker.json["nodes"][1]["extensions"]["KHR_lights_punctual"]["light"] = json!(5);
-    assert!(
-        message("lights", maker.load("lights"))
-            .contains("the light of a node is 5, but there are only 2")
-    );
+    assert!(message("lights", maker.load("lights")).contains("the light of a node is 5, but there are only 2"));
 }
 
 #[test]
@@ -430,9 +375,7 @@ fn extensions_that_cannot_be_honoured_are_named() {
 fn broken_files_are_explained() {
     type Change = fn(&mut Value);
     let cases: &[(&str, Change)] = &[
-        ("version is \"1.0\"", |json| {
-            json["asset"]["version"] = json!("1.0")
-        }),
+        ("version is \"1.0\"", |json| json["asset"]["version"] = json!("1.0")),
         ("the default scene is 3, but there are only 1", |json| {
             json["scene"] = json!(3)
         }),
@@ -445,9 +388,7 @@ fn broken_files_are_explained() {
         ("node 0 is its own ancestor", |json| {
             json["nodes"][0]["children"] = json!([0])
         }),
-        ("not finite", |json| {
-            json["nodes"][0]["scale"] = json!([1e39, 1.0, 1.0])
-        }),
+        ("not finite", |json| json["nodes"][0]["scale"] = json!([1e39, 1.0, 1.0])),
         ("not of length 1", |json| {
             json["nodes"][0]["rotation"] = json!([0, 0, 0, 0])
         }),
@@ -469,30 +410,20 @@ fn broken_files_are_explained() {
         ("draws no triangle", |json| {
             json["meshes"][0]["primitives"][0]["mode"] = json!(1)
         }),
-        ("draws no triangle", |json| {
-            json["accessors"][0]["count"] = json!(2)
-        }),
-        ("not of type Vec3", |json| {
-            json["accessors"][0]["type"] = json!("VEC4")
-        }),
+        ("draws no triangle", |json| json["accessors"][0]["count"] = json!(2)),
+        ("not of type Vec3", |json| json["accessors"][0]["type"] = json!("VEC4")),
         ("unknown component type", |json| {
             json["accessors"][0]["componentType"] = json!(7)
         }),
-        ("takes more bytes", |json| {
-            json["accessors"][0]["count"] = json!(4)
-        }),
+        ("takes more bytes", |json| json["accessors"][0]["count"] = json!(4)),
         ("takes more bytes", |json| {
             json["accessors"][0]["byteOffset"] = json!(u64::MAX)
         }),
-        ("pass the limit", |json| {
-            json["accessors"][0]["count"] = json!(u64::MAX)
-        }),
+        ("pass the limit", |json| json["accessors"][0]["count"] = json!(u64::MAX)),
         ("a buffer view is 6", |json| {
             json["accessors"][0]["bufferView"] = json!(6)
         }),
-        ("a stride of 5", |json| {
-            json["bufferViews"][0]["byteStride"] = json!(5)
-        }),
+        ("a stride of 5", |json| json["bufferViews"][0]["byteStride"] = json!(5)),
         ("of a buffer of 36", |json| {
             json["bufferViews"][0]["byteLength"] = json!(u64::MAX)
         }),
@@ -505,10 +436,7 @@ fn broken_files_are_explained() {
         let mut maker = Maker::triangle();
         change(&mut maker.json);
         let text = message("broken", maker.load("broken"));
-        assert!(
-            text.contains(expected),
-            "{text:?} does not say {expected:?}"
-        );
+        assert!(text.contains(expected), "{text:?} does not say {expected:?}");
     }
 }
 
@@ -558,12 +486,8 @@ fn instances_are_limited() {
     let primitive = maker.json["meshes"][0]["primitives"][0].clone();
     maker.json["meshes"][0]["primitives"] = json!([primitive, primitive, primitive, primitive]);
     let placements = json!({ "componentType": FLOAT, "type": "VEC3", "count": 2_000_000 });
-    maker.json["accessors"]
-        .as_array_mut()
-        .unwrap()
-        .push(placements);
-    maker.json["nodes"][0]["extensions"] =
-        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "SCALE": 1 } } });
+    maker.json["accessors"].as_array_mut().unwrap().push(placements);
+    maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": { "SCALE": 1 } } });
     assert!(message("many", maker.load("many")).contains("instances pass the limit"));
     maker.json["accessors"][1]["count"] = json!(50_000_000);
     assert!(message("many", maker.load("many")).contains("instances pass the limit"));
@@ -610,9 +534,6 @@ fn garbage_and_damage_never_panic() {
     for length in [0, 1, 4, 11, 12, 19, 20, 64] {
         let garbage: Vec<u8> = (0..length).map(|_| random.random()).collect();
         message("garbage.glb", load("garbage.glb", &garbage));
-        message(
-            "garbage.glb",
-            load("garbage.glb", &[&b"glTF"[..], &garbage].concat()),
-        );
+        message("garbage.glb", load("garbage.glb", &[&b"glTF"[..], &garbage].concat()));
     }
 }

@@ -24,13 +24,7 @@ struct Stated {
     mask_blend: [usize; 2],
 }
 
-const fn stated(
-    file: &'static str,
-    triangles: usize,
-    instances: usize,
-    low: [f32; 3],
-    high: [f32; 3],
-) -> Stated {
+const fn stated(file: &'static str, triangles: usize, instances: usize, low: [f32; 3], high: [f32; 3]) -> Stated {
     Stated {
         file,
         triangles,
@@ -85,13 +79,7 @@ const SCENES: &[Stated] = &[
         [-1024.0, -4.64, -1024.0],
         [1024.0, 17.756, 1024.0],
     ),
-    stated(
-        "barn_lamp.glb",
-        10_203,
-        3,
-        [-0.105, -0.198, 0.0],
-        [0.086, 0.057, 0.227],
-    ),
+    stated("barn_lamp.glb", 10_203, 3, [-0.105, -0.198, 0.0], [0.086, 0.057, 0.227]),
     stated(
         "carbon_cage.glb",
         215_579,
@@ -124,13 +112,7 @@ const SCENES: &[Stated] = &[
     Stated {
         images: 3,
         mask_blend: [3, 1],
-        ..stated(
-            "alpha_modes.glb",
-            61,
-            9,
-            [-4.3, -0.1, -0.75],
-            [4.3, 2.3, 0.55],
-        )
+        ..stated("alpha_modes.glb", 61, 9, [-4.3, -0.1, -0.75], [4.3, 2.3, 0.55])
     },
     // 70 placed meshes of 87 primitives, every one mirrored.
     Stated {
@@ -160,13 +142,7 @@ const SCENES: &[Stated] = &[
             [0.163, 0.716, 0.2],
         )
     },
-    stated(
-        "head_lps.glb",
-        17_684,
-        1,
-        [-0.221, 0.0, -0.084],
-        [0.232, 0.421, 0.19],
-    ),
+    stated("head_lps.glb", 17_684, 1, [-0.221, 0.0, -0.084], [0.232, 0.421, 0.19]),
     Stated {
         point_lights: 3,
         ..stated(
@@ -182,9 +158,7 @@ const SCENES: &[Stated] = &[
 fn folder() -> Option<PathBuf> {
     let folder = scenes_dir();
     if folder.is_none() {
-        eprintln!(
-            "no folder of test scenes, nothing is tested: set DP_SCENES to one that has them"
-        );
+        eprintln!("no folder of test scenes, nothing is tested: set DP_SCENES to one that has them");
     }
     folder
 }
@@ -193,37 +167,18 @@ fn folder() -> Option<PathBuf> {
 fn every_scene_has_the_stated_numbers() {
     let Some(folder) = folder() else { return };
     for stated in SCENES {
-        let scene =
-            Scene::load(&folder.join(stated.file)).unwrap_or_else(|error| panic!("{error}"));
+        let scene = Scene::load(&folder.join(stated.file)).unwrap_or_else(|error| panic!("{error}"));
         let file = stated.file;
-        assert_eq!(
-            scene.triangle_count(),
-            stated.triangles,
-            "{file}: triangles"
-        );
+        assert_eq!(scene.triangle_count(), stated.triangles, "{file}: triangles");
         assert_eq!(scene.instances.len(), stated.instances, "{file}: instances");
         let mirrored = scene
             .instances
             .iter()
             .filter(|instance| instance.transform.matrix3.determinant() < 0.0);
-        assert_eq!(
-            mirrored.count(),
-            stated.mirrored,
-            "{file}: mirrored instances"
-        );
-        assert_eq!(
-            scene.lights.len(),
-            stated.point_lights,
-            "{file}: point lights"
-        );
+        assert_eq!(mirrored.count(), stated.mirrored, "{file}: mirrored instances");
+        assert_eq!(scene.lights.len(), stated.point_lights, "{file}: point lights");
         assert_eq!(scene.images.len(), stated.images, "{file}: images");
-        let count = |has: fn(Alpha) -> bool| {
-            scene
-                .materials
-                .iter()
-                .filter(|material| has(material.alpha))
-                .count()
-        };
+        let count = |has: fn(Alpha) -> bool| scene.materials.iter().filter(|material| has(material.alpha)).count();
         let masked = count(|alpha| matches!(alpha, Alpha::Mask { .. }));
         let blended = count(|alpha| matches!(alpha, Alpha::Blend));
         assert_eq!(
@@ -233,14 +188,8 @@ fn every_scene_has_the_stated_numbers() {
         );
         let (low, high) = scene.bounds().expect("a loaded scene is not empty");
         // The source states three decimals.
-        assert!(
-            low.abs_diff_eq(stated.low.into(), 6e-4),
-            "{file}: low {low}"
-        );
-        assert!(
-            high.abs_diff_eq(stated.high.into(), 6e-4),
-            "{file}: high {high}"
-        );
+        assert!(low.abs_diff_eq(stated.low.into(), 6e-4), "{file}: low {low}");
+        assert!(high.abs_diff_eq(stated.high.into(), 6e-4), "{file}: high {high}");
     }
 }
 
@@ -260,39 +209,23 @@ fn every_file_of_the_folder_is_stated() {
 #[test]
 fn world_triangles_run_in_parallel_and_within_bounds() {
     let Some(folder) = folder() else { return };
-    let scene =
-        Scene::load(&folder.join("mirrored_props.glb")).unwrap_or_else(|error| panic!("{error}"));
+    let scene = Scene::load(&folder.join("mirrored_props.glb")).unwrap_or_else(|error| panic!("{error}"));
     let all = scene.world_triangles();
     assert_eq!(all.corners.len(), scene.triangle_count());
-    assert_eq!(
-        [all.instance.len(), all.triangle.len()],
-        [all.corners.len(); 2]
-    );
+    assert_eq!([all.instance.len(), all.triangle.len()], [all.corners.len(); 2]);
     let (low, high) = scene.bounds().expect("the scene is not empty");
-    for (corners, (&instance, &triangle)) in all
-        .corners
-        .iter()
-        .zip(all.instance.iter().zip(&all.triangle))
-    {
+    for (corners, (&instance, &triangle)) in all.corners.iter().zip(all.instance.iter().zip(&all.triangle)) {
         let instance = scene.instances[instance as usize];
         let mesh = &scene.meshes[instance.mesh];
         for (k, corner) in corners.iter().enumerate() {
-            assert_eq!(
-                corner.as_vec3().as_dvec3(),
-                *corner,
-                "a corner is not a value of f32"
-            );
-            let position =
-                Vec3::from(mesh.positions[mesh.indices[triangle as usize * 3 + k] as usize]);
+            assert_eq!(corner.as_vec3().as_dvec3(), *corner, "a corner is not a value of f32");
+            let position = Vec3::from(mesh.positions[mesh.indices[triangle as usize * 3 + k] as usize]);
             let expected = instance.transform.transform_point3(position);
             assert!(
                 corner.as_vec3().abs_diff_eq(expected, 1e-5),
                 "{corner} is not {expected}"
             );
-            assert!(
-                corner.as_vec3().cmpge(low - 1e-5).all()
-                    && corner.as_vec3().cmple(high + 1e-5).all()
-            );
+            assert!(corner.as_vec3().cmpge(low - 1e-5).all() && corner.as_vec3().cmple(high + 1e-5).all());
         }
     }
 }
@@ -301,17 +234,12 @@ fn world_triangles_run_in_parallel_and_within_bounds() {
 fn suggestions_are_finite_repeatable_and_fast() {
     let Some(folder) = folder() else { return };
     for stated in SCENES {
-        let scene =
-            Scene::load(&folder.join(stated.file)).unwrap_or_else(|error| panic!("{error}"));
+        let scene = Scene::load(&folder.join(stated.file)).unwrap_or_else(|error| panic!("{error}"));
         let start = Instant::now();
         let light = scene.suggest_light();
         let seconds = start.elapsed().as_secs_f32();
         // One second is the promise, on an optimised build and a machine that is not busy.
-        assert!(
-            cfg!(debug_assertions) || seconds < 3.0,
-            "{}: {seconds} s",
-            stated.file
-        );
+        assert!(cfg!(debug_assertions) || seconds < 3.0, "{}: {seconds} s", stated.file);
         assert_eq!(light, scene.suggest_light(), "{}", stated.file);
         let (low, high) = scene.bounds().expect("the scene is not empty");
         let margin = 0.5 * (high - low).length();

@@ -70,8 +70,8 @@ pub fn few_large() -> Scene {
     let (low, high) = (Vec3::new(-10.0, 0.0, -10.0), Vec3::new(10.0, 8.0, 10.0));
     room.room(low, high);
     let light = Vec3::new(0.0, 4.0, 0.0);
-    let boxes = [TERRACOTTA, TEAL, OCHRE]
-        .map(|color| room.mesh(shapes::cuboid(Vec3::splat(-0.5), Vec3::splat(0.5)), color));
+    let boxes =
+        [TERRACOTTA, TEAL, OCHRE].map(|color| room.mesh(shapes::cuboid(Vec3::splat(-0.5), Vec3::splat(0.5)), color));
     for k in 0..30 {
         let size = Vec3::from_array(std::array::from_fn(|_| room.random.random_range(0.8..2.8)));
         let transform = Affine3A::from_scale(size);
@@ -95,10 +95,7 @@ pub fn many_small(n: usize) -> Scene {
     room.room(low, high);
     let light = Vec3::new(0.0, 5.0, 0.0);
     let meshes = [
-        room.mesh(
-            shapes::cuboid(Vec3::splat(-0.6), Vec3::splat(0.6)),
-            TERRACOTTA,
-        ),
+        room.mesh(shapes::cuboid(Vec3::splat(-0.6), Vec3::splat(0.6)), TERRACOTTA),
         room.mesh(shapes::tetrahedron(1.0), OCHRE),
         room.mesh(shapes::icosphere(1.0, 1), TEAL),
         room.mesh(shapes::uv_sphere(1.0, 14, 8), MARBLE),
@@ -140,13 +137,7 @@ pub fn dense(triangles: usize) -> Scene {
     for k in 0..spheres {
         let size = room.random.random_range(0.8..2.0);
         let transform = room.turned(size);
-        room.scatter(
-            meshes[k % meshes.len()],
-            transform,
-            Vec3::ZERO,
-            4.0,
-            (low, high),
-        );
+        room.scatter(meshes[k % meshes.len()], transform, Vec3::ZERO, 4.0, (low, high));
     }
     room.light(Vec3::ZERO, 60.0);
     room.scene
@@ -166,10 +157,7 @@ pub fn long_hall() -> Scene {
         }
     }
     let props = [
-        hall.mesh(
-            shapes::cuboid(Vec3::splat(-0.4), Vec3::splat(0.4)),
-            TERRACOTTA,
-        ),
+        hall.mesh(shapes::cuboid(Vec3::splat(-0.4), Vec3::splat(0.4)), TERRACOTTA),
         hall.mesh(shapes::icosphere(0.5, 3), TEAL),
         hall.mesh(shapes::torus(0.45, 0.12, 32, 16), OCHRE),
     ];
@@ -245,14 +233,7 @@ impl Builder {
 
     /// Places a mesh at random within `bounds`, its origin at least `clearance` away from the light; `bounds` must
     /// have room for that.
-    fn scatter(
-        &mut self,
-        mesh: usize,
-        transform: Affine3A,
-        light: Vec3,
-        clearance: f32,
-        bounds: (Vec3, Vec3),
-    ) {
+    fn scatter(&mut self, mesh: usize, transform: Affine3A, light: Vec3, clearance: f32, bounds: (Vec3, Vec3)) {
         let (low, high) = bounds;
         let at = loop {
             let at = Vec3::from_array(std::array::from_fn(|axis| {
@@ -291,10 +272,7 @@ impl Builder {
         let radius = 0.42;
         let cage = self.mesh(cage(radius, 0.01), BRASS);
         self.place(cage, light);
-        let rod = self.mesh(
-            shapes::cylinder(0.015, ceiling - light.y - radius, 12),
-            BRASS,
-        );
+        let rod = self.mesh(shapes::cylinder(0.015, ceiling - light.y - radius, 12), BRASS);
         self.place(rod, light + Vec3::Y * radius);
     }
 
@@ -314,9 +292,7 @@ impl Builder {
         let upright = Affine3A::from_rotation_x(FRAC_PI_2);
         self.place_by(
             knot,
-            Affine3A::from_translation(left + Vec3::Y * 1.8)
-                * Affine3A::from_rotation_y(0.5)
-                * upright,
+            Affine3A::from_translation(left + Vec3::Y * 1.8) * Affine3A::from_rotation_y(0.5) * upright,
         );
         self.place(blob, right + Vec3::Y * 1.35);
     }
@@ -330,10 +306,7 @@ impl Builder {
             self.place(bar, from.lerp(to, k as f32 / count as f32) + Vec3::Z * z);
         }
         let grip = self.mesh(
-            shapes::cuboid(
-                from + Vec3::new(0.0, 1.0, -0.03),
-                to + Vec3::new(0.0, 1.04, 0.03),
-            ),
+            shapes::cuboid(from + Vec3::new(0.0, 1.0, -0.03), to + Vec3::new(0.0, 1.04, 0.03)),
             IRON,
         );
         self.place(grip, Vec3::Z * z);
@@ -352,11 +325,7 @@ fn pillar(radius: f32, height: f32) -> SceneMesh {
         Affine3A::from_translation(Vec3::Y * (height - 0.3)),
     );
     let shaft = shapes::cylinder(radius, height - 0.6, 32);
-    shapes::append(
-        &mut pillar,
-        &shaft,
-        Affine3A::from_translation(Vec3::Y * 0.3),
-    );
+    shapes::append(&mut pillar, &shaft, Affine3A::from_translation(Vec3::Y * 0.3));
     pillar
 }
 
@@ -367,20 +336,12 @@ fn cage(radius: f32, bar_radius: f32) -> SceneMesh {
     let ring = shapes::torus(radius, bar_radius, 96, 8);
     for k in 0..MERIDIANS {
         let turn = Affine3A::from_rotation_y(PI * k as f32 / MERIDIANS as f32);
-        shapes::append(
-            &mut cage,
-            &ring,
-            turn * Affine3A::from_rotation_x(FRAC_PI_2),
-        );
+        shapes::append(&mut cage, &ring, turn * Affine3A::from_rotation_x(FRAC_PI_2));
     }
     for latitude in [-60.0_f32, -30.0, 0.0, 30.0, 60.0] {
         let (sin, cos) = latitude.to_radians().sin_cos();
         let ring = shapes::torus(radius * cos, bar_radius, 96, 8);
-        shapes::append(
-            &mut cage,
-            &ring,
-            Affine3A::from_translation(Vec3::Y * (radius * sin)),
-        );
+        shapes::append(&mut cage, &ring, Affine3A::from_translation(Vec3::Y * (radius * sin)));
     }
     cage
 }
@@ -388,10 +349,8 @@ fn cage(radius: f32, bar_radius: f32) -> SceneMesh {
 /// A unit direction moved out or in by up to 24 %, smoothly.
 fn bumps(direction: DVec3, phase: f64) -> DVec3 {
     let wave = |frequency: DVec3, shift: f64| (direction.dot(frequency) + shift).sin();
-    let large =
-        wave(DVec3::new(3.1, 2.3, 4.2), phase) * wave(DVec3::new(-2.2, 4.1, 1.7), 2.0 * phase);
-    let small =
-        wave(DVec3::new(11.0, -7.0, 9.0), 3.0 * phase) * wave(DVec3::new(6.0, 12.0, -8.0), phase);
+    let large = wave(DVec3::new(3.1, 2.3, 4.2), phase) * wave(DVec3::new(-2.2, 4.1, 1.7), 2.0 * phase);
+    let small = wave(DVec3::new(11.0, -7.0, 9.0), 3.0 * phase) * wave(DVec3::new(6.0, 12.0, -8.0), phase);
     direction * (1.0 + 0.18 * large + 0.06 * small)
 }
 
@@ -400,13 +359,7 @@ mod tests {
     use super::*;
 
     fn all() -> Vec<Scene> {
-        vec![
-            hall(),
-            few_large(),
-            many_small(300),
-            dense(30_000),
-            long_hall(),
-        ]
+        vec![hall(), few_large(), many_small(300), dense(30_000), long_hall()]
     }
 
     #[test]
@@ -443,12 +396,7 @@ mod tests {
     #[test]
     fn scenes_are_the_same_every_time() {
         for (a, b) in all().into_iter().zip(all()) {
-            assert_eq!(
-                a.world_triangles().corners,
-                b.world_triangles().corners,
-                "{}",
-                a.name
-            );
+            assert_eq!(a.world_triangles().corners, b.world_triangles().corners, "{}", a.name);
         }
     }
 
@@ -484,10 +432,7 @@ mod tests {
         assert_eq!(many_small(300).instances.len(), 306);
         for wanted in [10_000, 100_000, 1_000_000, 4_400_000, 17_000_000] {
             let count = dense(wanted).triangle_count();
-            assert!(
-                count.abs_diff(wanted) * 100 < wanted * 3,
-                "{count} for {wanted}"
-            );
+            assert!(count.abs_diff(wanted) * 100 < wanted * 3, "{count} for {wanted}");
         }
     }
 

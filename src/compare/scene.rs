@@ -176,10 +176,7 @@ impl Scene {
         let drawn: Vec<_> = self.meshes.iter().map(SceneMesh::drawn_positions).collect();
         self.instances.iter().flat_map(move |instance| {
             let to_world = |&position| instance.transform.transform_point3(position);
-            drawn[instance.mesh]
-                .iter()
-                .map(to_world)
-                .collect::<Vec<_>>()
+            drawn[instance.mesh].iter().map(to_world).collect::<Vec<_>>()
         })
     }
 
@@ -243,8 +240,7 @@ fn world_positions(mesh: &SceneMesh, transform: Affine3A) -> Vec<DVec3> {
         transform.matrix3.z_axis.as_dvec3(),
         transform.translation.as_dvec3(),
     );
-    let to_world =
-        |position: &[f32; 3]| transform.transform_point3(Vec3::from(*position).as_dvec3());
+    let to_world = |position: &[f32; 3]| transform.transform_point3(Vec3::from(*position).as_dvec3());
     mesh.positions
         .iter()
         .map(|position| to_world(position).as_vec3().as_dvec3())
@@ -322,9 +318,7 @@ pub enum SceneError {
         reason: String,
     },
     /// Nothing to draw.
-    #[error(
-        "{path} draws no triangle in its default scene; export one with a mesh placed by a node"
-    )]
+    #[error("{path} draws no triangle in its default scene; export one with a mesh placed by a node")]
     NoTriangles {
         /// The file.
         path: PathBuf,
@@ -359,11 +353,7 @@ pub const LIGHTS: &[(&str, &[[f32; 3]])] = &[
     ),
     (
         "gallery_vr.glb",
-        &[
-            [2.73, 1.64, -2.15],
-            [-2.72, 1.53, 1.93],
-            [-0.02, 3.29, -0.28],
-        ],
+        &[[2.73, 1.64, -2.15], [-2.72, 1.53, 1.93], [-0.02, 3.29, -0.28]],
     ),
     (
         "fog_arcade_bevy.glb",
@@ -386,8 +376,6 @@ pub const LIGHTS: &[(&str, &[[f32; 3]])] = &[
 #[must_use]
 pub fn known_lights(name: &str) -> &'static [[f32; 3]] {
     let stem = name.strip_suffix(".glb").unwrap_or(name);
-    let found = LIGHTS
-        .iter()
-        .find(|(file, _)| file.strip_suffix(".glb") == Some(stem));
+    let found = LIGHTS.iter().find(|(file, _)| file.strip_suffix(".glb") == Some(stem));
     found.map_or(&[], |(_, lights)| lights)
 }

@@ -58,12 +58,7 @@ pub fn cuboid(low: Vec3, high: Vec3) -> SceneMesh {
 /// A regular tetrahedron of 4 triangles, its corners at distance `radius` (positive) from the origin.
 #[must_use]
 pub fn tetrahedron(radius: f32) -> SceneMesh {
-    let corners = [
-        [1.0, 1.0, 1.0],
-        [1.0, -1.0, -1.0],
-        [-1.0, 1.0, -1.0],
-        [-1.0, -1.0, 1.0],
-    ];
+    let corners = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     let corners = corners.map(|corner| Vec3::from(corner) * (radius / 3.0_f32.sqrt()));
     let mut mesh = SceneMesh {
         normals: Some(Vec::new()),
@@ -107,12 +102,7 @@ pub fn icosphere(radius: f32, subdivisions: u32) -> SceneMesh {
             .iter()
             .map(|&point| (point * f64::from(radius)).as_vec3().to_array())
             .collect(),
-        normals: Some(
-            points
-                .iter()
-                .map(|point| point.as_vec3().to_array())
-                .collect(),
-        ),
+        normals: Some(points.iter().map(|point| point.as_vec3().to_array()).collect()),
         indices: triangles.into_flattened(),
         ..SceneMesh::default()
     }
@@ -121,20 +111,8 @@ pub fn icosphere(radius: f32, subdivisions: u32) -> SceneMesh {
 fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut points = Vec::new();
-    for (a, b) in [
-        (-1.0, golden),
-        (1.0, golden),
-        (-1.0, -golden),
-        (1.0, -golden),
-    ] {
-        points.extend(
-            [
-                DVec3::new(a, b, 0.0),
-                DVec3::new(0.0, a, b),
-                DVec3::new(b, 0.0, a),
-            ]
-            .map(DVec3::normalize),
-        );
+    for (a, b) in [(-1.0, golden), (1.0, golden), (-1.0, -golden), (1.0, -golden)] {
+        points.extend([DVec3::new(a, b, 0.0), DVec3::new(0.0, a, b), DVec3::new(b, 0.0, a)].map(DVec3::normalize));
     }
     // Of all triples, a face is one whose corners are an edge apart; that length is 1.05 on the unit sphere.
     let near = |a: u32, b: u32| points[a as usize].distance(points[b as usize]) < 1.1;
@@ -196,10 +174,7 @@ pub fn displaced_sphere(slices: u32, stacks: u32, shape: impl Fn(DVec3) -> DVec3
         indices.extend([at(stacks - 1, slice), last, at(stacks - 1, slice + 1)]);
     }
     smooth(
-        points
-            .into_iter()
-            .map(|point| shape(point).as_vec3())
-            .collect(),
+        points.into_iter().map(|point| shape(point).as_vec3()).collect(),
         indices,
     )
 }
@@ -218,11 +193,7 @@ pub fn cylinder(radius: f32, height: f32, sides: u32) -> SceneMesh {
             DVec3::new(cos, 0.0, -sin).as_vec3()
         })
         .collect();
-    let ring = |y: f32| {
-        outwards
-            .iter()
-            .map(move |&direction| direction * radius + Vec3::Y * y)
-    };
+    let ring = |y: f32| outwards.iter().map(move |&direction| direction * radius + Vec3::Y * y);
     let mut mesh = SceneMesh {
         normals: Some(Vec::new()),
         ..SceneMesh::default()
@@ -230,18 +201,14 @@ pub fn cylinder(radius: f32, height: f32, sides: u32) -> SceneMesh {
     push_face(&mut mesh, &ring(height).collect::<Vec<_>>(), Vec3::Y);
     push_face(&mut mesh, &ring(0.0).rev().collect::<Vec<_>>(), Vec3::NEG_Y);
     let base = mesh.positions.len() as u32;
-    mesh.positions.extend(
-        ring(0.0)
-            .chain(ring(height))
-            .map(|position| position.to_array()),
-    );
+    mesh.positions
+        .extend(ring(0.0).chain(ring(height)).map(|position| position.to_array()));
     mesh.normals
         .get_or_insert_default()
         .extend(outwards.iter().chain(&outwards).map(Vec3::to_array));
     for side in 0..sides {
         let [a, b] = [base + side, base + (side + 1) % sides];
-        mesh.indices
-            .extend([a, b, b + sides, a, b + sides, a + sides]);
+        mesh.indices.extend([a, b, b + sides, a, b + sides, a + sides]);
     }
     mesh
 }
@@ -257,8 +224,7 @@ pub fn torus(major: f32, minor: f32, segments: u32, sides: u32) -> SceneMesh {
     sweep(segments, sides, |along, around| {
         let ((sin, cos), (rise, reach)) = (along.sin_cos(), around.sin_cos());
         let outwards = DVec3::new(cos, 0.0, -sin);
-        outwards * (f64::from(major) + f64::from(minor) * reach)
-            + DVec3::Y * (f64::from(minor) * rise)
+        outwards * (f64::from(major) + f64::from(minor) * reach) + DVec3::Y * (f64::from(minor) * rise)
     })
 }
 
@@ -272,8 +238,7 @@ pub fn torus_knot(radius: f32, segments: u32, sides: u32) -> SceneMesh {
     let radius = f64::from(radius);
     let path = |angle: f64| {
         let ((sin, cos), (rise, reach)) = ((2.0 * angle).sin_cos(), (3.0 * angle).sin_cos());
-        DVec3::new(cos, 0.0, -sin) * (radius * (1.0 + 0.42 * reach))
-            + DVec3::Y * (radius * 0.42 * rise)
+        DVec3::new(cos, 0.0, -sin) * (radius * (1.0 + 0.42 * reach)) + DVec3::Y * (radius * 0.42 * rise)
     };
     sweep(segments, sides, |along, around| {
         let center = path(along);
@@ -282,9 +247,7 @@ pub fn torus_knot(radius: f32, segments: u32, sides: u32) -> SceneMesh {
         let outwards = DVec3::new(center.x, 0.0, center.z).normalize();
         let side = (outwards - tangent * outwards.dot(tangent)).normalize();
         let up = tangent.cross(side);
-        let ripple = 1.0
-            + 0.10 * (24.0 * along + 2.0 * around).sin()
-            + 0.05 * (5.0 * around - 18.0 * along).sin();
+        let ripple = 1.0 + 0.10 * (24.0 * along + 2.0 * around).sin() + 0.05 * (5.0 * around - 18.0 * along).sin();
         let (sin, cos) = around.sin_cos();
         center + (side * cos - up * sin) * (0.2 * radius * ripple)
     })
@@ -305,10 +268,7 @@ fn sweep(segments: u32, sides: u32, point: impl Fn(f64, f64) -> DVec3) -> SceneM
         [a, b, c, a, c, d]
     };
     let position = |(segment, side)| point(angle(segment, segments), angle(side, sides)).as_vec3();
-    smooth(
-        grid.clone().map(position).collect(),
-        grid.flat_map(quad).collect(),
-    )
+    smooth(grid.clone().map(position).collect(), grid.flat_map(quad).collect())
 }
 
 /// Adds `part`, placed by `transform` (which must not mirror), to `mesh`; both need normals or both none.
@@ -318,17 +278,10 @@ pub fn append(mesh: &mut SceneMesh, part: &SceneMesh, transform: Affine3A) {
     mesh.positions.extend(part.positions.iter().map(place));
     if let Some(normals) = &part.normals {
         let to_normal = transform.matrix3.inverse().transpose();
-        let turn = |&normal: &[f32; 3]| {
-            (to_normal * Vec3::from(normal))
-                .normalize_or_zero()
-                .to_array()
-        };
-        mesh.normals
-            .get_or_insert_default()
-            .extend(normals.iter().map(turn));
+        let turn = |&normal: &[f32; 3]| (to_normal * Vec3::from(normal)).normalize_or_zero().to_array();
+        mesh.normals.get_or_insert_default().extend(normals.iter().map(turn));
     }
-    mesh.indices
-        .extend(part.indices.iter().map(|index| base + index));
+    mesh.indices.extend(part.indices.iter().map(|index| base + index));
 }
 
 /// Adds a convex flat polygon, counter-clockwise, as a fan with vertices of its own.
@@ -412,10 +365,7 @@ mod tests {
                     );
                 }
             }
-            let open = edges
-                .iter()
-                .filter(|(a, b)| !edges.contains(&(*b, *a)))
-                .count();
+            let open = edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a))).count();
             assert_eq!(open, 0, "{name}: open edges");
         }
     }
@@ -430,10 +380,7 @@ mod tests {
                 volume += a.dot(b.cross(c)) / 6.0;
                 for k in 0..3 {
                     let normal = Vec3::from(normals[mesh.indices[first + k] as usize]);
-                    assert!(
-                        (normal.length() - 1.0).abs() < 1e-5,
-                        "{name}: normal {normal}"
-                    );
+                    assert!((normal.length() - 1.0).abs() < 1e-5, "{name}: normal {normal}");
                     assert!(
                         normal.dot((b - a).cross(c - a)) > 0.0,
                         "{name}: normal against its triangle"

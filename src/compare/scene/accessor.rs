@@ -42,17 +42,10 @@ impl<'a> Reader<'a> {
     /// All elements of accessor `index`, which must be of type `kind` with `N` components; `what` names it in errors.
     ///
     /// Normalised integers are mapped to 0..=1 or -1..=1, other integers keep their value; `f64` holds all exactly.
-    pub fn read<const N: usize>(
-        &self,
-        index: usize,
-        kind: Type,
-        what: &str,
-    ) -> Result<Vec<[f64; N]>, SceneError> {
-        let accessor = self
-            .document
-            .item(&self.document.root.accessors, index, || {
-                format!("the accessor of {what}")
-            })?;
+    pub fn read<const N: usize>(&self, index: usize, kind: Type, what: &str) -> Result<Vec<[f64; N]>, SceneError> {
+        let accessor = self.document.item(&self.document.root.accessors, index, || {
+            format!("the accessor of {what}")
+        })?;
         if accessor.type_ != Checked::Valid(kind) {
             return Err(self.invalid(index, what, format_args!("is not of type {kind:?}")));
         }
@@ -94,26 +87,16 @@ impl<'a> Reader<'a> {
                 offset: sparse.values.byte_offset.0,
                 ..changed
             };
-            let (at, new) = (
-                self.elements::<1>(index, what, at)?,
-                self.elements(index, what, new)?,
-            );
+            let (at, new) = (self.elements::<1>(index, what, at)?, self.elements(index, what, new)?);
             for ([at], new) in at.into_iter().zip(new) {
                 let slot = values.get_mut(at as usize);
-                *slot.ok_or_else(|| {
-                    self.invalid(index, what, format_args!("has the sparse index {at}"))
-                })? = new;
+                *slot.ok_or_else(|| self.invalid(index, what, format_args!("has the sparse index {at}")))? = new;
             }
         }
         Ok(values)
     }
 
-    fn elements<const N: usize>(
-        &self,
-        index: usize,
-        what: &str,
-        layout: Layout,
-    ) -> Result<Vec<[f64; N]>, SceneError> {
+    fn elements<const N: usize>(&self, index: usize, what: &str, layout: Layout) -> Result<Vec<[f64; N]>, SceneError> {
         let (bytes, stride) = self.document.view(layout.view)?;
         let component_size = layout.component.size();
         let size = component_size * N;
@@ -128,33 +111,18 @@ impl<'a> Reader<'a> {
         let Some(last) = layout.count.checked_sub(1) else {
             return Ok(Vec::new());
         };
-        let length = (last as u64)
-            .saturating_mul(stride as u64)
-            .saturating_add(size as u64);
-        let data = slice(bytes, layout.offset, length).ok_or_else(|| {
-            self.invalid(
-                index,
-                what,
-                format_args!("takes more bytes than its buffer view has"),
-            )
-        })?;
+        let length = (last as u64).saturating_mul(stride as u64).saturating_add(size as u64);
+        let data = slice(bytes, layout.offset, length)
+            .ok_or_else(|| self.invalid(index, what, format_args!("takes more bytes than its buffer view has")))?;
         let element = |bytes: &[u8]| {
-            std::array::from_fn(|k| {
-                component(
-                    layout.component,
-                    layout.normalized,
-                    &bytes[k * component_size..],
-                )
-            })
+            std::array::from_fn(|k| component(layout.component, layout.normalized, &bytes[k * component_size..]))
         };
         Ok(data.chunks(stride).map(element).collect())
     }
 
     /// Takes `count` elements from the allowance, before memory is taken for them.
     fn charge(&self, count: u64) -> Result<usize, SceneError> {
-        let taken = usize::try_from(count)
-            .ok()
-            .filter(|&count| count <= self.left.get());
+        let taken = usize::try_from(count).ok().filter(|&count| count <= self.left.get());
         let taken = taken.ok_or_else(|| SceneError::TooLarge {
             path: self.document.path.clone(),
             what: "accessor elements",
@@ -185,9 +153,5 @@ fn component(kind: ComponentType, normalized: bool, bytes: &[u8]) -> f64 {
             return f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
         }
     };
-    if normalized {
-        (value / one).max(-1.0)
-    } else {
-        value
-    }
+    if normalized { (value / one).max(-1.0) } else { value }
 }

@@ -56,13 +56,9 @@ impl Document {
 
     /// The bytes of a buffer view, and its stride where it states one.
     pub fn view(&self, index: usize) -> Result<(&[u8], Option<usize>), SceneError> {
-        let view = self.item(&self.root.buffer_views, index, || {
-            "a buffer view".to_owned()
-        })?;
+        let view = self.item(&self.root.buffer_views, index, || "a buffer view".to_owned())?;
         let buffer = view.buffer.value();
-        let data = self.item(&self.buffers, buffer, || {
-            format!("the buffer of buffer view {index}")
-        })?;
+        let data = self.item(&self.buffers, buffer, || format!("the buffer of buffer view {index}"))?;
         let data = data
             .as_deref()
             .ok_or_else(|| self.invalid(format!("buffer {buffer} has no data")))?;
@@ -78,25 +74,16 @@ impl Document {
 
     /// The file's image, still encoded.
     pub fn image_bytes(&self, index: usize) -> Result<Vec<u8>, SceneError> {
-        let image = self.item(&self.root.images, index, || {
-            "the image of a texture".to_owned()
-        })?;
+        let image = self.item(&self.root.images, index, || "the image of a texture".to_owned())?;
         match (image.buffer_view, &image.uri) {
             (Some(view), _) => Ok(self.view(view.value())?.0.to_vec()),
-            (None, Some(uri)) => {
-                read_uri(&self.path, uri).map_err(|error| self.image_error(index, error))
-            }
+            (None, Some(uri)) => read_uri(&self.path, uri).map_err(|error| self.image_error(index, error)),
             (None, None) => Err(self.image_error(index, "it has neither a buffer view nor a URI")),
         }
     }
 
     /// `list[index]`, or an error that says what the index was for.
-    pub fn item<'a, T>(
-        &self,
-        list: &'a [T],
-        index: usize,
-        what: impl Fn() -> String,
-    ) -> Result<&'a T, SceneError> {
+    pub fn item<'a, T>(&self, list: &'a [T], index: usize, what: impl Fn() -> String) -> Result<&'a T, SceneError> {
         list.get(index).ok_or_else(|| SceneError::Index {
             path: self.path.clone(),
             what: what(),
@@ -154,17 +141,12 @@ fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>
     match word(4) {
         Some(2) => {}
         Some(version) => {
-            return Err(format_error(
-                path,
-                format!("its container has version {version}"),
-            ));
+            return Err(format_error(path, format!("its container has version {version}")));
         }
         None => return Err(format_error(path, "it ends within its header")),
     }
     let chunk = |at: usize, kind: &[u8; 4]| {
-        let name = String::from_utf8_lossy(kind)
-            .trim_end_matches('\0')
-            .to_owned();
+        let name = String::from_utf8_lossy(kind).trim_end_matches('\0').to_owned();
         let cut = || {
             format_error(
                 path,
@@ -173,10 +155,7 @@ fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>
         };
         let length = word(at).ok_or_else(cut)?;
         if bytes.get(at + 4..at + 8) != Some(kind) {
-            return Err(format_error(
-                path,
-                format!("there is no {name} chunk at byte {at}"),
-            ));
+            return Err(format_error(path, format!("there is no {name} chunk at byte {at}")));
         }
         slice(bytes, at as u64 + 8, length.into()).ok_or_else(cut)
     };
@@ -194,17 +173,11 @@ fn check_version(path: &Path, version: &str) -> Result<(), SceneError> {
     if version.split('.').next() == Some("2") {
         return Ok(());
     }
-    Err(format_error(
-        path,
-        format!("its asset version is {version:?}"),
-    ))
+    Err(format_error(path, format!("its asset version is {version:?}")))
 }
 
 fn check_extensions(path: &Path, required: &[String]) -> Result<(), SceneError> {
-    let Some(extension) = required
-        .iter()
-        .find(|name| !HONOURED.contains(&name.as_str()))
-    else {
+    let Some(extension) = required.iter().find(|name| !HONOURED.contains(&name.as_str())) else {
         return Ok(());
     };
     let remedy = match extension.as_str() {
@@ -212,9 +185,7 @@ fn check_extensions(path: &Path, required: &[String]) -> Result<(), SceneError> 
             "decompress the file, for example with `gltf-transform copy`"
         }
         "KHR_texture_transform" => "bake the transforms into the texture coordinates",
-        "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" => {
-            "convert its images to PNG or JPEG"
-        }
+        "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" => "convert its images to PNG or JPEG",
         _ => "export it without that extension",
     };
     Err(SceneError::Extension {
@@ -236,11 +207,7 @@ fn read_buffer(
         None => None,
     };
     let declared = buffer.byte_length.0;
-    if let Some(held) = data
-        .as_ref()
-        .map(Vec::len)
-        .filter(|&held| (held as u64) < declared)
-    {
+    if let Some(held) = data.as_ref().map(Vec::len).filter(|&held| (held as u64) < declared) {
         return Err(format_error(
             path,
             format!("buffer {index} has {held} bytes where {declared} are declared"),
@@ -255,12 +222,10 @@ fn read_uri(path: &Path, uri: &str) -> Result<Vec<u8>, SceneError> {
         let (_, text) = rest
             .split_once(";base64,")
             .ok_or_else(|| format_error(path, "it has a data URI that is not in base64"))?;
-        return decode_base64(text)
-            .ok_or_else(|| format_error(path, "it has a data URI with broken base64"));
+        return decode_base64(text).ok_or_else(|| format_error(path, "it has a data URI with broken base64"));
     }
     let named = percent_decode(uri).filter(|name| !name.contains("://"));
-    let named = named
-        .ok_or_else(|| format_error(path, format!("the URI {uri:?} does not name a local file")))?;
+    let named = named.ok_or_else(|| format_error(path, format!("the URI {uri:?} does not name a local file")))?;
     read_file(&path.with_file_name("").join(named))
 }
 
@@ -269,8 +234,7 @@ fn percent_decode(uri: &str) -> Option<String> {
     let mut rest = uri.as_bytes();
     while let Some((&byte, tail)) = rest.split_first() {
         let escaped = (byte == b'%').then(|| tail.get(..2)).flatten();
-        let escaped =
-            escaped.and_then(|hex| u8::from_str_radix(std::str::from_utf8(hex).ok()?, 16).ok());
+        let escaped = escaped.and_then(|hex| u8::from_str_radix(std::str::from_utf8(hex).ok()?, 16).ok());
         out.push(escaped.unwrap_or(byte));
         rest = if escaped.is_some() { &tail[2..] } else { tail };
     }
@@ -289,17 +253,13 @@ fn decode_base64(text: &str) -> Option<Vec<u8>> {
     let text = text.trim_end_matches('=').as_bytes();
     let mut out = Vec::with_capacity(text.len() * 3 / 4);
     for group in text.chunks(4) {
-        let bits = group.iter().try_fold(0_u32, |bits, &byte| {
-            Some(bits << 6 | u32::from(digit(byte)?))
-        })?;
+        let bits = group
+            .iter()
+            .try_fold(0_u32, |bits, &byte| Some(bits << 6 | u32::from(digit(byte)?)))?;
         let missing = 4 - group.len();
         let bytes = (bits << (6 * missing)).to_be_bytes();
         // A group of one digit holds no whole byte.
-        out.extend_from_slice(
-            bytes
-                .get(1..4 - missing)
-                .filter(|bytes| !bytes.is_empty())?,
-        );
+        out.extend_from_slice(bytes.get(1..4 - missing).filter(|bytes| !bytes.is_empty())?);
     }
     Some(out)
 }
@@ -319,11 +279,7 @@ mod tests {
             ("Zm9vYmFy", "foobar"),
         ];
         for (text, plain) in cases {
-            assert_eq!(
-                decode_base64(text).as_deref(),
-                Some(plain.as_bytes()),
-                "{text:?}"
-            );
+            assert_eq!(decode_base64(text).as_deref(), Some(plain.as_bytes()), "{text:?}");
         }
         assert_eq!(decode_base64("Z"), None);
         assert_eq!(decode_base64("Zg!="), None);

@@ -13,8 +13,7 @@ use gltf::json::{
 };
 
 use super::{
-    Alpha, Material, Scene, SceneError, SceneInstance, SceneLight, SceneMesh, accessor::Reader,
-    document::Document,
+    Alpha, Material, Scene, SceneError, SceneInstance, SceneLight, SceneMesh, accessor::Reader, document::Document,
 };
 
 /// More than any test scene has; nodes times primitives of a hostile file could be anything.
@@ -28,11 +27,7 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
         reader: Reader::new(&document),
         document: &document,
         scene: Scene {
-            name: path
-                .file_stem()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned(),
+            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             ..Scene::default()
         },
         meshes: HashMap::new(),
@@ -41,9 +36,7 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     };
     loader.walk()?;
     if loader.scene.triangle_count() == 0 {
-        return Err(SceneError::NoTriangles {
-            path: path.to_owned(),
-        });
+        return Err(SceneError::NoTriangles { path: path.to_owned() });
     }
     if !loader.scene.drawn_points().all(Vec3::is_finite) {
         return Err(document.invalid("in world space a position passes the range of f32"));
@@ -76,9 +69,7 @@ impl Loader<'_> {
         while let Some((index, parent)) = stack.pop() {
             let node = document.item(&root.nodes, index, || "a node of the scene".to_owned())?;
             if std::mem::replace(&mut seen[index], true) {
-                return Err(document.invalid(format!(
-                    "node {index} is its own ancestor or has two parents"
-                )));
+                return Err(document.invalid(format!("node {index} is its own ancestor or has two parents")));
             }
             let world = parent * self.local_transform(index, node)?;
             self.visit(index, node, world)?;
@@ -88,12 +79,7 @@ impl Loader<'_> {
         Ok(())
     }
 
-    fn visit(
-        &mut self,
-        index: usize,
-        node: &json::Node,
-        world: DAffine3,
-    ) -> Result<(), SceneError> {
+    fn visit(&mut self, index: usize, node: &json::Node, world: DAffine3) -> Result<(), SceneError> {
         if let Some(extensions) = &node.extensions
             && let Some(light) = &extensions.khr_lights_punctual
         {
@@ -182,13 +168,8 @@ impl Loader<'_> {
     }
 
     /// The transforms of `EXT_mesh_gpu_instancing`, relative to the node.
-    fn placements(
-        &self,
-        node: usize,
-        extension: &json::Value,
-    ) -> Result<Vec<DAffine3>, SceneError> {
-        let translation =
-            self.instance_attribute::<3>(node, extension, "TRANSLATION", Type::Vec3)?;
+    fn placements(&self, node: usize, extension: &json::Value) -> Result<Vec<DAffine3>, SceneError> {
+        let translation = self.instance_attribute::<3>(node, extension, "TRANSLATION", Type::Vec3)?;
         let rotation = self.instance_attribute::<4>(node, extension, "ROTATION", Type::Vec4)?;
         let scale = self.instance_attribute::<3>(node, extension, "SCALE", Type::Vec3)?;
         let counts = [
@@ -202,9 +183,9 @@ impl Loader<'_> {
                 .invalid(format!("node {node} is instanced without attributes"))
         })?;
         if counts.into_iter().flatten().any(|other| other != count) {
-            return Err(self.document.invalid(format!(
-                "the instance attributes of node {node} differ in length"
-            )));
+            return Err(self
+                .document
+                .invalid(format!("the instance attributes of node {node} differ in length")));
         }
         // Before memory is taken for them; an accessor without data can state any count.
         self.check_instances(count)?;
@@ -224,10 +205,7 @@ impl Loader<'_> {
         name: &str,
         kind: Type,
     ) -> Result<Option<Vec<[f64; N]>>, SceneError> {
-        let Some(value) = extension
-            .get("attributes")
-            .and_then(|attributes| attributes.get(name))
-        else {
+        let Some(value) = extension.get("attributes").and_then(|attributes| attributes.get(name)) else {
             return Ok(None);
         };
         let what = format!("the instance attribute {name} of node {node}");
@@ -247,9 +225,7 @@ impl Loader<'_> {
             .as_ref()
             .and_then(|all| all.khr_lights_punctual.as_ref());
         let lights = extension.map_or(&[][..], |extension| &extension.lights);
-        let light = self
-            .document
-            .item(lights, index, || "the light of a node".to_owned())?;
+        let light = self.document.item(lights, index, || "the light of a node".to_owned())?;
         let position = world.translation.as_vec3();
         if !position.is_finite() {
             return Err(self
@@ -279,9 +255,7 @@ impl Loader<'_> {
             return Ok(range.clone());
         }
         let document = self.document;
-        let mesh = document.item(&document.root.meshes, index, || {
-            "the mesh of a node".to_owned()
-        })?;
+        let mesh = document.item(&document.root.meshes, index, || "the mesh of a node".to_owned())?;
         let start = self.scene.meshes.len();
         for (k, primitive) in mesh.primitives.iter().enumerate() {
             let name = format!("mesh {index}, primitive {k}");
@@ -295,18 +269,11 @@ impl Loader<'_> {
     }
 
     /// `None` for points and lines, which cast no shadow.
-    fn primitive(
-        &mut self,
-        name: &str,
-        primitive: &json::mesh::Primitive,
-    ) -> Result<Option<SceneMesh>, SceneError> {
+    fn primitive(&mut self, name: &str, primitive: &json::mesh::Primitive) -> Result<Option<SceneMesh>, SceneError> {
         let Checked::Valid(mode) = primitive.mode else {
             return Err(self.document.invalid(format!("{name} has an unknown mode")));
         };
-        if !matches!(
-            mode,
-            Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
-        ) {
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             return Ok(None);
         }
         let attribute = |semantic| {
@@ -315,16 +282,16 @@ impl Loader<'_> {
                 .get(&Checked::Valid(semantic))
                 .map(|index| index.value())
         };
-        let positions = attribute(Semantic::Positions)
-            .ok_or_else(|| self.document.invalid(format!("{name} has no POSITION")))?;
+        let positions =
+            attribute(Semantic::Positions).ok_or_else(|| self.document.invalid(format!("{name} has no POSITION")))?;
         let positions = self.vectors(positions, &format!("the positions of {name}"))?;
         if let Some(at) = positions
             .iter()
             .position(|position| !position.iter().all(|x| x.is_finite()))
         {
-            return Err(self.document.invalid(format!(
-                "{name} has a position that is not finite, at vertex {at}"
-            )));
+            return Err(self
+                .document
+                .invalid(format!("{name} has a position that is not finite, at vertex {at}")));
         }
         let vertices = positions.len();
         let normals = attribute(Semantic::Normals)
@@ -332,27 +299,13 @@ impl Loader<'_> {
             .transpose()?;
         let tex_coords = attribute(Semantic::TexCoords(self.tex_coord_set(primitive.material)))
             .map(|index| {
-                self.reader.read::<2>(
-                    index,
-                    Type::Vec2,
-                    &format!("the texture coordinates of {name}"),
-                )
+                self.reader
+                    .read::<2>(index, Type::Vec2, &format!("the texture coordinates of {name}"))
             })
             .transpose()?
-            .map(|all| {
-                all.into_iter()
-                    .map(|pair| pair.map(|x| x as f32))
-                    .collect::<Vec<_>>()
-            });
-        let lengths = [
-            normals.as_ref().map(Vec::len),
-            tex_coords.as_ref().map(Vec::len),
-        ];
-        if let Some(length) = lengths
-            .into_iter()
-            .flatten()
-            .find(|&length| length != vertices)
-        {
+            .map(|all| all.into_iter().map(|pair| pair.map(|x| x as f32)).collect::<Vec<_>>());
+        let lengths = [normals.as_ref().map(Vec::len), tex_coords.as_ref().map(Vec::len)];
+        if let Some(length) = lengths.into_iter().flatten().find(|&length| length != vertices) {
             return Err(self.document.invalid(format!(
                 "{name} has {vertices} positions but {length} of another attribute"
             )));
@@ -370,10 +323,7 @@ impl Loader<'_> {
 
     fn vectors(&self, index: usize, what: &str) -> Result<Vec<[f32; 3]>, SceneError> {
         let values = self.reader.read::<3>(index, Type::Vec3, what)?;
-        Ok(values
-            .into_iter()
-            .map(|value| value.map(|x| x as f32))
-            .collect())
+        Ok(values.into_iter().map(|value| value.map(|x| x as f32)).collect())
     }
 
     /// The vertices that a primitive runs through, each known to exist.
@@ -386,13 +336,10 @@ impl Loader<'_> {
         let Some(accessor) = accessor else {
             return Ok((0..vertices as u32).collect());
         };
-        let corners = self.reader.read::<1>(
-            accessor.value(),
-            Type::Scalar,
-            &format!("the indices of {name}"),
-        )?;
-        let valid =
-            |&[index]: &[f64; 1]| index >= 0.0 && index < vertices as f64 && index.fract() == 0.0;
+        let corners = self
+            .reader
+            .read::<1>(accessor.value(), Type::Scalar, &format!("the indices of {name}"))?;
+        let valid = |&[index]: &[f64; 1]| index >= 0.0 && index < vertices as f64 && index.fract() == 0.0;
         if let Some(bad) = corners.iter().position(|corner| !valid(corner)) {
             return Err(SceneError::Index {
                 path: self.document.path.clone(),
@@ -406,10 +353,8 @@ impl Loader<'_> {
 
     /// Which set of texture coordinates the material's base colour image uses.
     fn tex_coord_set(&self, material: Option<json::Index<json::Material>>) -> u32 {
-        let material =
-            material.and_then(|material| self.document.root.materials.get(material.value()));
-        let texture = material
-            .and_then(|material| material.pbr_metallic_roughness.base_color_texture.as_ref());
+        let material = material.and_then(|material| self.document.root.materials.get(material.value()));
+        let texture = material.and_then(|material| material.pbr_metallic_roughness.base_color_texture.as_ref());
         texture.map_or(0, |texture| texture.tex_coord)
     }
 
@@ -445,9 +390,7 @@ impl Loader<'_> {
         let texture = surface.base_color_texture.as_ref();
         Ok(Material {
             base_color: surface.base_color_factor.0,
-            base_color_image: texture
-                .map(|texture| self.texture(texture.index.value()))
-                .transpose()?,
+            base_color_image: texture.map(|texture| self.texture(texture.index.value())).transpose()?,
             alpha,
             double_sided: material.double_sided,
             emissive: material.emissive_factor.0,

@@ -59,9 +59,7 @@ pub(super) fn light(scene: &Scene) -> Vec3 {
         room * (0.05 + view.hit) * (1.0 - view.back).powi(4)
     };
     let candidates = (0..CANDIDATES).map(|k| low + size * low_discrepancy(k));
-    let mut ranked: Vec<_> = candidates
-        .map(|point| (score(point, sketch.coarse()), point))
-        .collect();
+    let mut ranked: Vec<_> = candidates.map(|point| (score(point, sketch.coarse()), point)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     let shortlist = ranked
         .iter()
@@ -110,8 +108,7 @@ impl Sketch {
     /// How far one can look from `origin`, within the size of the scene.
     fn free(&self, origin: Vec3, direction: Vec3) -> f32 {
         let size = (self.high - self.low).length();
-        first_hit(&self.triangles, origin, direction)
-            .map_or(size, |(distance, _)| distance.min(size))
+        first_hit(&self.triangles, origin, direction).map_or(size, |(distance, _)| distance.min(size))
     }
 
     /// Behind the light as seen along the longest free view, looking past it.
@@ -201,13 +198,7 @@ fn sample(scene: &Scene) -> Vec<[Vec3; 3]> {
             [1, 2]
         };
         let corners = mesh.indices.chunks_exact(3).step_by(stride);
-        out.extend(corners.map(|corner| {
-            [
-                world(corner[0]),
-                world(corner[second]),
-                world(corner[third]),
-            ]
-        }));
+        out.extend(corners.map(|corner| [world(corner[0]), world(corner[second]), world(corner[third])]));
     }
     out
 }

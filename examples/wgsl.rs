@@ -1,0 +1,23 @@
+//! Writes every complete shader module that the library compiles, for checking them with other compilers.
+
+use anyhow::Context;
+use clap::Parser;
+use std::path::PathBuf;
+
+/// Write the library's shader modules.
+#[derive(Parser)]
+struct Arguments {
+    /// Folder to write to; made if it isn't there.
+    folder: PathBuf,
+}
+
+fn main() -> anyhow::Result<()> {
+    let Arguments { folder } = Arguments::parse();
+    std::fs::create_dir_all(&folder).with_context(|| format!("can't make the folder {}", folder.display()))?;
+    for (name, text) in dual_paraboloid::wgsl::modules() {
+        let path = folder.join(format!("{name}.wgsl"));
+        std::fs::write(&path, text).with_context(|| format!("can't write {}", path.display()))?;
+        println!("{}", path.display());
+    }
+    Ok(())
+}

@@ -1,0 +1,143 @@
+//! Maps of scenes whose depth has a closed form.
+
+use crate::common::{Map, Texel, box_inside, gpu, map, soup};
+use dual_paraboloid::{PointLight, Sides, paraboloid::double};
+use glam::{DQuat, DVec3, Quat, Vec3};
+
+const RESOLUTIONS: [u32; 6] = [64, 128, 256, 512, 1024, 2048];
+
+/// Direction of a texel in world space.
+fn direction(texel: &Texel, light: &PointLight) -> DVec3 {
+    let x = double::to_hemisphere(double::unproject(texel.p.as_dvec2()), texel.back);
+    DQuat::from_array(light.orientation.as_dquat().to_array()).mul_vec3(x)
+}
+
+/// Distance along a texel's direction that its depth means.
+fn distance(texel: &Texel, light: &PointLight) -> f64 {
+    let p = texel.p.as_dvec2();
+    f64::from(light.near) / f64::from(texel.depth) * 0.5 * (1.0 + p.dot(p))
+}
+
+/// Asserts that every texel is on a surface given by the distance and the cosine of incidence along a direction:
+/// within 1e-5, or within what the split's tolerance and the bend of a chord leave, as an angle.
+fn assert_surface(map: &Map, light: &PointLight, surface: impl Fn(DVec3) -> (f64, f64)) {
+    let mut worst: f64 = 0.0;
+    for texel in map.discs() {
+        let d = direction(&texel, light);
+        let footprint = double::texel_angle(texel.p.as_dvec2(), f64::from(map.texel()));
+        let (expected, cosine) = surface(d);
+        // An edge may miss its place by a quarter of a texel, and a surface by two thirds of a footprint.
+        let allowed = 1e-5 + footprint * (0.25 + 2.0 / 3.0) / cosine.max(footprint);
+        let error = (distance(&texel, light) - expected).abs() / expected;
+        worst = worst.max(error / allowed);
+        assert!(
+            texel.depth > 0.0 && error <= allowed,
+            "{texel:?}: off by {error}, {allowed} allowed"
+        );
+    }
+    assert!(worst > 0.0);
+}
+
+#[test]
+fn inside_a_box() {
+    let (low, high) = (Vec3::new(-3.0, -1.0, -5.0), Vec3::new(2.0, 2.5, 4.0));
+    let mut casters = soup(&box_inside(low, high), Sides::Both);
+    let orientations = [Quat::IDENTITY, Quat::from_rotation_y(0.7) * Quat::from_rotation_x(1.1)];
+    for (resolution, orientation) in RESOLUTIONS.iter().flat_map(|r| orientations.map(|o| (*r, o))) {
+        let light = PointLight {
+            position: Vec3::new(0.4, 0.3, -0.2),
+            orientation,
+            range: 50.0,
+            ..Default::default()
+        };
+        let map = map(&mut casters, light, resolution);
+        assert_surface(&map, &light, |d| {
+            let origin = light.position.as_dvec3();
+            let to = |axis: usize| {
+                let wall = if d[axis] > 0.0 { high[axis] } else { low[axis] };
+                if d[axis] == 0.0 {
+                    f64::INFINITY
+                } else {
+                    (f64::from(wall) - origin[axis]) / d[axis]
+                }
+            };
+            let axis = (0..3).min_by(|a, b| to(*a).total_cmp(&to(*b))).unwrap();
+            // Near an edge of the box either wall may be drawn: the steeper one counts.
+            let cosine = (0..3)
+                .filter(|a| to(*a) < to(axis) * 1.1)
+                .map(|a| d[a].abs())
+                .fold(1.0, f64::min);
+            (to(axis), cosine)
+        });
+    }
+}
+
+#[test]
+fn inside_a_sphere() {
+    use dual_paraboloid::compare::procedural::shapes::icosphere;
+    let sphere = icosphere(4.0, 5);
+    let triangles: Vec<[Vec3; 3]> = sphere
+        .indices
+        .chunks_exact(3)
+        .map(|t| [t[0], t[1], t[2]].map(|v| Vec3::from(sphere.positions[v as usize])))
+        .collect();
+    let mut casters = soup(&triangles, Sides::Both);
+    for resolution in RESOLUTIONS {
+        let light = PointLight {
+            range: 50.0,
+            ..Default::default()
+        };
+        let map = map(&mut casters, light, resolution);
+        // The sphere is a polyhedron: its faces lie inside by up to the sagitta of their edges.
+        let flat = (1.0 - (0.0365f64 * 0.5).cos()) * 2.0;
+        for texel in map.discs() {
+            let (distance, footprint) = (
+                distance(&texel, &light),
+                double::texel_angle(texel.p.as_dvec2(), f64::from(map.texel())),
+            );
+            assert!(
+                distance <= 4.0 * (1.0 + 1e-5 + footprint) && distance >= 4.0 * (1.0 - flat - footprint - 1e-5),
+                "{texel:?}: {distance}"
+            );
+        }
+    }
+}
+
+#[test]
+fn above_a_plane() {
+    let (a, b, c, d) = (
+        Vec3::new(-1000.0, -2.0, -1000.0),
+        Vec3::new(1000.0, -2.0, -1000.0),
+        Vec3::new(1000.0, -2.0, 1000.0),
+        Vec3::new(-1000.0, -2.0, 1000.0),
+    );
+    let mut casters = soup(&[[a, b, c], [a, c, d]], Sides::Both);
+    for orientation in [
+        Quat::IDENTITY,
+        Quat::from_rotation_x(1.5707),
+        Quat::from_rotation_z(0.3) * Quat::from_rotation_x(0.8),
+    ] {
+        for resolution in [64, 256, 1024] {
+            let light = PointLight {
+                orientation,
+                range: 4000.0,
+                ..Default::default()
+            };
+            let map = map(&mut casters, light, resolution);
+            for texel in map.discs() {
+                let d = direction(&texel, &light);
+                let footprint = double::texel_angle(texel.p.as_dvec2(), f64::from(map.texel()));
+                // The plane's border is a texel wide at the horizon and not looked at.
+                if d.y > 2.0 / 1000.0 * -0.9 + footprint {
+                    assert_eq!(texel.depth, 0.0, "{texel:?} is above the horizon");
+                } else if d.y < -0.01 - 2.0 * footprint {
+                    let (expected, distance) = (2.0 / -d.y, distance(&texel, &light));
+                    let allowed = 1e-5 + footprint * (0.25 + 2.0 / 3.0) / -d.y;
+                    let error = (distance - expected).abs() / expected;
+                    assert!(error < allowed, "{texel:?}: off by {error}, {allowed} allowed");
+                }
+            }
+        }
+    }
+    gpu().wait();
+}

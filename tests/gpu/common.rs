@@ -1,0 +1,146 @@
+//! The shared device, and shorthands over it.
+
+use dual_paraboloid::compare::gpu::Gpu;
+use dual_paraboloid::{CasterMesh, Casters, Indices, LightId, PointLight, PointShadows, PointShadowsDescriptor, Sides};
+use glam::{Affine3A, Vec2, Vec3};
+use std::sync::OnceLock;
+
+/// The device of all tests.
+pub fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| Gpu::new(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// Triangles without shared vertices, as casters.
+pub fn soup(triangles: &[[Vec3; 3]], sides: Sides) -> Casters {
+    let mut casters = Casters::new(&gpu().device);
+    if !triangles.is_empty() {
+        let positions: Vec<[f32; 3]> = triangles.iter().flatten().map(|p| p.to_array()).collect();
+        let indices: Vec<u32> = (0..positions.len() as u32).collect();
+        let mesh = CasterMesh {
+            positions: &positions,
+            indices: Indices::U32(&indices),
+            sides,
+        };
+        let mesh = casters.add_mesh(&mesh).unwrap();
+        casters.add_instance(mesh, Affine3A::IDENTITY).unwrap();
+    }
+    casters
+}
+
+/// Shadows for one light.
+pub fn descriptor(resolution: u32) -> PointShadowsDescriptor {
+    PointShadowsDescriptor {
+        resolution,
+        capacity: 1,
+        ..Default::default()
+    }
+}
+
+/// Shadows with one light, recorded.
+pub fn record(mut shadows: PointShadows, casters: &mut Casters, light: PointLight) -> (PointShadows, LightId) {
+    let id = shadows.add(light).unwrap();
+    gpu().submit(|encoder| {
+        assert_eq!(shadows.record(&gpu().device, &gpu().queue, encoder, casters), 1);
+    });
+    (shadows, id)
+}
+
+/// A light's map from the library as users have it.
+pub fn map(casters: &mut Casters, light: PointLight, resolution: u32) -> Map {
+    let shadows = PointShadows::new(&gpu().device, &descriptor(resolution)).unwrap();
+    let (shadows, id) = record(shadows, casters, light);
+    Map::read(&shadows, id)
+}
+
+/// A light's map from every triangle.
+pub fn unrouted_map(casters: &mut Casters, light: PointLight, resolution: u32) -> Map {
+    let shadows = PointShadows::new_unrouted(&gpu().device, &descriptor(resolution)).unwrap();
+    let (shadows, id) = record(shadows, casters, light);
+    Map::read(&shadows, id)
+}
+
+/// A pair of maps, read back.
+pub struct Map {
+    pub depth: Vec<f32>,
+    pub resolution: u32,
+    pub half_width: f32,
+}
+
+/// A texel of a pair of maps.
+#[derive(Debug, Clone, Copy)]
+pub struct Texel {
+    pub back: bool,
+    pub i: u32,
+    pub j: u32,
+    /// Its centre in map coordinates.
+    pub p: Vec2,
+    pub depth: f32,
+}
+
+impl Map {
+    pub fn read(shadows: &PointShadows, light: LightId) -> Self {
+        let resolution = shadows.maps().height();
+        Self {
+            depth: gpu().read_map(shadows, light),
+            resolution,
+            half_width: shadows.half_width(),
+        }
+    }
+
+    /// Width of a texel in map coordinates.
+    pub fn texel(&self) -> f32 {
+        2.0 * self.half_width / self.resolution as f32
+    }
+
+    /// The texels whose centres are within `radius` of the middle of their map.
+    pub fn within(&self, radius: f32) -> impl Iterator<Item = Texel> {
+        let size = self.resolution;
+        (0..2 * size * size).filter_map(move |index| {
+            let (column, j) = (index % (2 * size), index / (2 * size));
+            let (back, i) = (column >= size, column % size);
+            let half = 0.5 * size as f32;
+            let p = Vec2::new(i as f32 + 0.5 - half, half - j as f32 - 0.5) * self.texel();
+            let depth = self.depth[index as usize];
+            (p.length() <= radius).then_some(Texel { back, i, j, p, depth })
+        })
+    }
+
+    /// Both discs with their guard bands, less one texel.
+    pub fn discs(&self) -> impl Iterator<Item = Texel> {
+        self.within((self.half_width - self.texel()).max(1e-3))
+    }
+
+    /// Texels within the discs, guard band included, in which two maps differ in any bit.
+    pub fn differences(&self, other: &Self) -> Vec<(Texel, f32)> {
+        let pairs = self.within(self.half_width).zip(other.within(self.half_width));
+        pairs
+            .filter(|(a, b)| a.depth.to_bits() != b.depth.to_bits())
+            .map(|(a, b)| (a, b.depth))
+            .collect()
+    }
+}
+
+/// The eight corners' quads of a box, two triangles each, seen from inside.
+pub fn box_inside(low: Vec3, high: Vec3) -> Vec<[Vec3; 3]> {
+    let corner = |k: usize| {
+        Vec3::new(
+            if k & 1 == 0 { low.x } else { high.x },
+            if k & 2 == 0 { low.y } else { high.y },
+            if k & 4 == 0 { low.z } else { high.z },
+        )
+    };
+    let faces = [
+        [0, 1, 3, 2],
+        [4, 6, 7, 5],
+        [0, 4, 5, 1],
+        [2, 3, 7, 6],
+        [0, 2, 6, 4],
+        [1, 5, 7, 3],
+    ];
+    let quad = |f: [usize; 4]| {
+        let [a, b, c, d] = f.map(corner);
+        [[a, b, c], [a, c, d]]
+    };
+    faces.into_iter().flat_map(quad).collect()
+}

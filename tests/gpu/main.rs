@@ -1,0 +1,10 @@
+//! Tests that need a graphics device, in one program so that they share it. Without a device they fail and say how
+//! to get a software one.
+
+mod analytic;
+mod common;
+mod degenerate;
+mod mapping;
+mod misuse;
+mod routing;
+mod watertight;

@@ -1,0 +1,326 @@
+//! The mapping's WGSL against its Rust twin, and that against double precision.
+
+use crate::common::gpu;
+use dual_paraboloid::compare::gpu::evaluation;
+use dual_paraboloid::paraboloid::{self as single, double};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec3Swizzles};
+use rand::{RngCore, SeedableRng};
+use rand_pcg::Pcg64;
+
+const COUNT: usize = 10_000;
+
+fn unit(rng: &mut Pcg64) -> f32 {
+    (rng.next_u32() >> 8) as f32 / (1 << 24) as f32
+}
+
+/// Points of hemisphere space over many magnitudes, and the edges of the domain: axes, seam, axis behind.
+fn points() -> Vec<Vec3> {
+    let mut rng = Pcg64::seed_from_u64(1);
+    let mut points = Vec::with_capacity(COUNT);
+    for x in [-1.0, -1e-6, 0.0, 1e-6, 1.0f32] {
+        for y in [-1.0, -1e-6, 0.0, 1e-6, 1.0f32] {
+            for z in [-1.0, -0.5, -1e-6, 0.0, 1e-6, 1.0f32] {
+                if Vec3::new(x, y, z).length() > 1e-3 {
+                    points.push(Vec3::new(x, y, z));
+                }
+            }
+        }
+    }
+    while points.len() < COUNT {
+        let direction = Vec3::new(unit(&mut rng) - 0.5, unit(&mut rng) - 0.5, unit(&mut rng) - 0.5);
+        if direction.length() > 0.05 {
+            points.push(direction * 10f32.powf(8.0 * unit(&mut rng) - 4.0));
+        }
+    }
+    points
+}
+
+/// Map coordinates in and around the disc, in pairs from far apart to nearly the same.
+fn edges() -> Vec<(Vec2, Vec2)> {
+    let mut rng = Pcg64::seed_from_u64(2);
+    let point = |rng: &mut Pcg64| Vec2::new(2.4 * unit(rng) - 1.2, 2.4 * unit(rng) - 1.2);
+    (0..COUNT)
+        .map(|i| {
+            let a = point(&mut rng);
+            let b = if i % 2 == 0 {
+                point(&mut rng)
+            } else {
+                a + 0.1 * point(&mut rng)
+            };
+            if i % 17 == 0 { (a, Vec2::ZERO) } else { (a, b) }
+        })
+        .collect()
+}
+
+fn evaluate(expression: &str, inputs: &[(Vec3, Vec3)]) -> Vec<f32> {
+    let text = [dual_paraboloid::wgsl::paraboloid(), &evaluation(expression)].concat();
+    gpu().evaluate(&text, &[], inputs)
+}
+
+/// Asserts that the shader's value of an expression is `expected` within a relative error and a slack.
+fn agrees(expression: &str, inputs: &[(Vec3, Vec3)], relative: f32, expected: impl Fn(Vec3, Vec3) -> f32) {
+    for ((a, b), value) in inputs.iter().zip(evaluate(expression, inputs)) {
+        let expected = expected(*a, *b);
+        let close = expected.is_nan() || (value - expected).abs() <= relative * expected.abs() + 1e-30;
+        assert!(
+            close || value == expected,
+            "{expression} of {a} and {b} is {value}, not {expected}"
+        );
+    }
+}
+
+#[test]
+fn shader_and_rust_agree_on_points() {
+    let inputs: Vec<(Vec3, Vec3)> = points()
+        .iter()
+        .map(|p| (*p, Vec3::from_array(p.to_array().map(|x| 2.0 * x)).zxy()))
+        .collect();
+    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+        agrees(
+            &format!("dp_to_hemisphere(position, true).{name}"),
+            &inputs,
+            0.0,
+            |p, _| single::to_hemisphere(p, true)[axis],
+        );
+        agrees(
+            &format!("dp_to_hemisphere(position, false).{name}"),
+            &inputs,
+            0.0,
+            |p, _| p[axis],
+        );
+        agrees(&format!("dp_bisect(position, normal).{name}"), &inputs, 2e-5, |p, q| {
+            let middle = single::bisect(p, q);
+            // The sum cancels where the ends are opposite: relative to the ends, not to the result.
+            if middle[axis].abs() < 1e-2 * p.length().max(q.length()) {
+                f32::NAN
+            } else {
+                middle[axis]
+            }
+        });
+    }
+    agrees("f32(dp_is_back(position))", &inputs, 0.0, |p, _| {
+        f32::from(u8::from(single::is_back(p)))
+    });
+    agrees("dp_homogeneous_w(position)", &inputs, 1e-6, |p, _| {
+        single::homogeneous_w(p)
+    });
+    agrees("dp_project(position).x", &inputs, 1e-6, |p, _| single::project(p).x);
+    agrees("dp_project(position).y", &inputs, 1e-6, |p, _| single::project(p).y);
+    agrees("dp_depth(position, 0.01)", &inputs, 1e-6, |p, _| single::depth(p, 0.01));
+    for (axis, name) in ["x", "y", "z", "w"].iter().enumerate() {
+        let expression = format!("dp_clip_position(position, 0.01, 0.9).{name}");
+        agrees(&expression, &inputs, 1e-6, |p, _| {
+            single::clip_position(p, 0.01, 0.9)[axis]
+        });
+    }
+}
+
+#[test]
+fn shader_and_rust_agree_on_map_coordinates() {
+    let inputs: Vec<(Vec3, Vec3)> = edges().iter().map(|(a, b)| (a.extend(0.7), b.extend(-0.4))).collect();
+    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+        let slack = |value: f32| if value.abs() < 1e-3 { f32::NAN } else { value };
+        agrees(
+            &format!("dp_unproject_scaled(position.xy).{name}"),
+            &inputs,
+            1e-5,
+            |a, _| slack(single::unproject_scaled(a.xy())[axis]),
+        );
+        agrees(&format!("dp_unproject(position.xy).{name}"), &inputs, 1e-5, |a, _| {
+            slack(single::unproject(a.xy())[axis])
+        });
+    }
+    agrees("dp_solid_angle_density(position.xy)", &inputs, 1e-6, |a, _| {
+        single::solid_angle_density(a.xy())
+    });
+    agrees("dp_texel_angle(position.xy, 0.01)", &inputs, 1e-6, |a, _| {
+        single::texel_angle(a.xy(), 0.01)
+    });
+    agrees(
+        "dp_sagitta(length(position.xy - normal.xy) * 0.5, 0.9)",
+        &inputs,
+        1e-5,
+        |a, b| single::sagitta((a.xy() - b.xy()).length() * 0.5, 0.9),
+    );
+    agrees(
+        "dp_plane_depth(normal, 2.0, position.xy, 0.01)",
+        &inputs,
+        1e-3,
+        |a, b| {
+            let depth = single::plane_depth(b, 2.0, a.xy(), 0.01);
+            if depth.abs() < 1e-4 { f32::NAN } else { depth }
+        },
+    );
+    agrees("dp_edge_curvature(position.xy, normal.xy)", &inputs, 1e-3, |a, b| {
+        let curvature = single::edge_curvature(a.xy(), b.xy());
+        // The normal of an edge of no length is noise, and no edge that short is asked about.
+        if (a - b).xy().length() < 0.01 || curvature < 0.01 {
+            f32::NAN
+        } else {
+            curvature
+        }
+    });
+    // A decision may differ where the values compared differ by rounding, and only there.
+    let decisions = evaluate("f32(dp_edge_needs_split(position.xy, normal.xy, 500.0, 0.25))", &inputs);
+    let (mut split, mut differing) = (0, 0);
+    for ((a, b), decision) in inputs.iter().zip(decisions) {
+        let expected = single::edge_needs_split(a.xy(), b.xy(), 500.0, 0.25);
+        split += usize::from(expected);
+        if (decision == 1.0) != expected {
+            differing += 1;
+            let (low, high) = (0.2499, 0.2501);
+            let sure = single::edge_needs_split(a.xy(), b.xy(), 500.0, low)
+                == single::edge_needs_split(a.xy(), b.xy(), 500.0, high);
+            assert!(!sure, "the edge from {a} to {b} is decided differently");
+        }
+    }
+    assert!(
+        split > 1000 && split < COUNT - 1000,
+        "{split} splits exercise both answers"
+    );
+    assert!(differing < 10, "{differing} decisions differ");
+}
+
+#[test]
+fn single_precision_follows_double() {
+    for p in points() {
+        let exact = double::homogeneous_w(p.as_dvec3());
+        let w = f64::from(single::homogeneous_w(p));
+        assert!((w - exact).abs() <= 4e-7 * exact, "w of {p} is {w}, not {exact}");
+        let (x, exact) = (single::project(p).as_dvec2(), double::project(p.as_dvec3()));
+        assert!(
+            (x - exact).length() <= 1e-6 * exact.length().max(1e-30),
+            "{p} is projected to {x}, not {exact}"
+        );
+    }
+    for (a, b) in edges() {
+        let (k, exact) = (
+            f64::from(single::edge_curvature(a, b)),
+            double::edge_curvature(a.as_dvec2(), b.as_dvec2()),
+        );
+        if (a - b).length() > 0.01 {
+            assert!(
+                (k - exact).abs() < 1e-4,
+                "the curvature from {a} to {b} is {k}, not {exact}"
+            );
+        }
+    }
+}
+
+#[test]
+fn unproject_inverts_project() {
+    for p in points() {
+        let x = p.as_dvec3();
+        if x.z > -0.99 * x.length() {
+            let back = double::unproject(double::project(x));
+            assert!(back.distance(x.normalize()) < 1e-12, "{x} comes back as {back}");
+            assert!((back.length() - 1.0).abs() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn a_plane_is_a_quadratic() {
+    for (x, n) in points().iter().zip(points().iter().rev()) {
+        let (x, n) = (x.as_dvec3(), n.as_dvec3());
+        let distance = n.dot(x);
+        if x.z > -0.9 * x.length() && distance.abs() > 1e-3 * n.length() * x.length() {
+            let depth = double::plane_depth(n, distance, double::project(x), 0.01);
+            let expected = double::depth(x, 0.01);
+            assert!((depth - expected).abs() < 1e-9 * expected, "{depth} is not {expected}");
+        }
+    }
+}
+
+#[test]
+fn an_edge_is_a_circle_and_its_sagitta_the_gap() {
+    for (a, b) in edges() {
+        let (a, b) = (double::unproject(a.as_dvec2()), double::unproject(b.as_dvec2()));
+        if a.angle_between(b) > 3.0 || a.distance(b) < 1e-3 {
+            continue;
+        }
+        let (pa, pb) = (double::project(a), double::project(b));
+        let middle = double::project(a + b);
+        let chord = pb - pa;
+        let gap = (middle - pa).perp_dot(chord).abs() / chord.length();
+        let curvature = double::edge_curvature(pa, pb);
+        let (centre, radius) = double::edge_arc(a, b);
+        assert!(
+            (radius * curvature - 1.0).abs() < 1e-6 || radius > 1e6,
+            "{radius} and {curvature}"
+        );
+        if radius < 1e3 {
+            let off = (middle.distance(centre) - radius).abs();
+            assert!(off < 1e-9 * radius, "the middle of the edge is off its circle by {off}");
+        }
+        // The angle's middle isn't the arc's middle, so the gap there is at most the sagitta.
+        if chord.length() * curvature < 1.9 {
+            let sagitta = double::sagitta(chord.length(), curvature);
+            assert!(
+                gap <= sagitta * (1.0 + 1e-6) + 1e-9,
+                "gap {gap}, sagitta {sagitta} from {pa} to {pb}"
+            );
+            assert!(
+                gap >= sagitta * 0.4 - 1e-9 || chord.length() > 0.5,
+                "gap {gap}, sagitta {sagitta}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_disc_integrates_to_a_hemisphere() {
+    let steps = 1000;
+    let mut sum = 0.0;
+    for i in 0..steps {
+        for j in 0..steps {
+            let p = DVec2::new(
+                2.0 * (f64::from(i) + 0.5) / f64::from(steps) - 1.0,
+                2.0 * (f64::from(j) + 0.5) / f64::from(steps) - 1.0,
+            );
+            if p.length() <= 1.0 {
+                sum += double::solid_angle_density(p);
+            }
+        }
+    }
+    sum *= 4.0 / f64::from(steps * steps);
+    assert!((sum - std::f64::consts::TAU).abs() < 2e-3, "{sum}");
+}
+
+#[test]
+fn no_edge_within_the_angle_limit_bends_more_than_the_tolerance() {
+    let mut rng = Pcg64::seed_from_u64(3);
+    for _ in 0..COUNT {
+        let texels = 32.0 * 64f64.powf(f64::from(unit(&mut rng)));
+        let tolerance = 0.01 + 0.99 * f64::from(unit(&mut rng));
+        let limit = double::angle_limit(texels, tolerance);
+        let p = DVec2::from_angle(f64::from(unit(&mut rng)) * 7.0) * f64::from(unit(&mut rng));
+        let a = double::unproject(p);
+        let across = a.any_orthonormal_vector();
+        let turn = glam::DQuat::from_axis_angle(
+            glam::DQuat::from_axis_angle(a, f64::from(unit(&mut rng)) * 7.0) * across,
+            limit,
+        );
+        let b = double::project(turn * a);
+        if b.length() <= 1.0 {
+            let gap = double::sagitta(p.distance(b), double::edge_curvature(p, b)) * texels;
+            assert!(
+                gap <= tolerance * 1.1,
+                "a gap of {gap} texels for a tolerance of {tolerance}"
+            );
+        }
+    }
+}
+
+#[test]
+fn bisect_halves_the_angle_and_ignores_the_order() {
+    for (a, b) in points().iter().zip(points().iter().rev()) {
+        assert_eq!(single::bisect(*a, *b), single::bisect(*b, *a));
+        let (a, b): (DVec3, DVec3) = (a.as_dvec3(), b.as_dvec3());
+        let middle = double::bisect(a, b);
+        if a.angle_between(b) < 3.0 && a.angle_between(b) > 1e-3 {
+            let (left, right) = (a.angle_between(middle), middle.angle_between(b));
+            assert!((left - right).abs() < 1e-5 * (left + right), "{left} and {right}");
+        }
+    }
+}
