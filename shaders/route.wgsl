@@ -16,8 +16,12 @@ const TRIANGLES_PER_THREAD: u32 = 2u;
 const DROP: u32 = 0u;
 const DRAW: u32 = 1u;
 const SPLIT: u32 = 2u;
+// Faces away in a closed piece: dropped unless it is next to one that doesn't.
+const BACK: u32 = 3u;
 
 var<workgroup> corners: array<vec3<f32>, 256>;
+// Bit v: a triangle of the chunk that doesn't surely face away has the vertex v.
+var<workgroup> turned: array<atomic<u32>, 8>;
 var<workgroup> draw_count: atomic<u32>;
 var<workgroup> split_count: atomic<u32>;
 var<workgroup> draw_base: u32;
@@ -63,16 +67,16 @@ fn hemispheres_of(chunk: u32) -> u32 {
     return (select(0u, 1u, front) | select(0u, 2u, back)) & view.hemispheres;
 }
 
-// Sign of the map area of triangles that don't cast, 0 if all do.
-fn culled_area(chunk: u32) -> f32 {
+// What is done with triangles that face away: CULL_CLOSED, CULL_ALWAYS or 0.
+fn culling_rule(chunk: u32) -> u32 {
     let rule = culling(chunk_sources[chunk]);
-    let bounds = chunk_bounds[chunk];
+    if rule != CULL_CLOSED {
+        return rule;
+    }
     // Outside by more than near, nothing of a closed piece is clipped, so a front face hides every back face.
-    let outside = any(view.position < bounds.pieces_min - view.near)
-        || any(view.position > bounds.pieces_max + view.near);
-    let culls = rule == CULL_ALWAYS || (REJECT && rule == CULL_CLOSED && outside);
-    // A face turned to the light is clockwise in the map: (u, v) is seen from the other side.
-    return select(0.0, bounds.handedness, culls);
+    let outside = any(view.position < chunk_bounds[chunk].pieces_min - view.near)
+        || any(view.position > chunk_bounds[chunk].pieces_max + view.near);
+    return select(0u, CULL_CLOSED, REJECT && outside);
 }
 
 fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
@@ -81,6 +85,9 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
         atomicStore(&draw_count, 0u);
         atomicStore(&split_count, 0u);
     }
+    if thread < 8u {
+        atomicStore(&turned[thread], 0u);
+    }
     for (var v = thread; v < vertex_count(source); v += THREADS) {
         let at = 3u * (source.vertex + v);
         let world = vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);
@@ -88,7 +95,9 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     }
     workgroupBarrier();
 
-    let cull = culled_area(chunk);
+    let rule = culling_rule(chunk);
+    // A face turned to the light is clockwise in the map, since (u, v) is seen from the other side.
+    let cull = select(0.0, chunk_bounds[chunk].handedness, rule != 0u);
     var fates: array<u32, TRIANGLES_PER_THREAD>;
     var places: array<u32, TRIANGLES_PER_THREAD>;
     var entries: array<vec3<u32>, TRIANGLES_PER_THREAD>;
@@ -96,24 +105,27 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
         let t = thread + i * THREADS;
         fates[i] = DROP;
         if t < triangle_count(source) {
-            let packed = triangles[source.triangle + t];
-            let local = vec3<u32>(packed, packed >> 8u, packed >> 16u) & vec3<u32>(0xffu);
-            let a = corners[local.x];
-            let b = corners[local.y];
-            let c = corners[local.z];
-            entries[i] = local + source.vertex;
-            if !is_outside(a, b, c) {
-                let edges = edges_to_split(a.xy, b.xy, c.xy);
-                if edges != 0u {
-                    fates[i] = SPLIT;
-                    entries[i] |= select(vec3<u32>(), vec3<u32>(EDGE_FLAG), (vec3<u32>(edges) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>());
-                    entries[i] |= select(vec3<u32>(), vec3<u32>(CULL_FLAG), vec3<bool>(false, cull > 0.0, cull < 0.0));
-                    places[i] = atomicAdd(&split_count, 1u);
-                } else if !is_rejected(a.xy, b.xy, c.xy, cull) {
-                    fates[i] = DRAW;
-                    places[i] = atomicAdd(&draw_count, 1u);
-                }
+            let local = corners_of(triangles[source.triangle + t]);
+            let fate = fate_of(local, rule, cull);
+            entries[i] = (local + source.vertex) | fate.flags;
+            fates[i] = fate.kind;
+            if rule == CULL_CLOSED && fates[i] != BACK {
+                mark_turned(local.x);
+                mark_turned(local.y);
+                mark_turned(local.z);
             }
+        }
+    }
+    workgroupBarrier();
+
+    for (var i = 0u; i < TRIANGLES_PER_THREAD; i += 1u) {
+        if fates[i] == BACK {
+            fates[i] = fate_of_back(triangles[source.triangle + thread + i * THREADS]);
+        }
+        if fates[i] == DRAW {
+            places[i] = atomicAdd(&draw_count, 1u);
+        } else if fates[i] == SPLIT {
+            places[i] = atomicAdd(&split_count, 1u);
         }
     }
     workgroupBarrier();
@@ -134,8 +146,58 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     }
 }
 
-fn is_rejected(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, cull: f32) -> bool {
-    return is_culled(a, b, c, cull) || (REJECT && is_between_texels(a, b, c));
+// Places of a triangle's corners in its chunk.
+fn corners_of(packed: u32) -> vec3<u32> {
+    return vec3<u32>(packed, packed >> 8u, packed >> 16u) & vec3<u32>(0xffu);
+}
+
+struct Fate {
+    kind: u32,
+    // Of the list's entry, if it has to be split.
+    flags: vec3<u32>,
+}
+
+// What becomes of a triangle. `cull` is the sign of the map area of triangles that face away, 0 if that doesn't
+// matter.
+fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> Fate {
+    let a = corners[local.x];
+    let b = corners[local.y];
+    let c = corners[local.z];
+    if is_outside(a, b, c) {
+        return Fate(DROP, vec3<u32>());
+    }
+    let edges = edges_to_split(a.xy, b.xy, c.xy);
+    if edges != 0u {
+        // Pieces of a closed piece's triangle are all kept: which of them are next to a turned one isn't known.
+        let flags = vec3<bool>(false, rule == CULL_ALWAYS && cull > 0.0, rule == CULL_ALWAYS && cull < 0.0);
+        let cut = (vec3<u32>(edges) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>();
+        let edge_flags = select(vec3<u32>(), vec3<u32>(EDGE_FLAG), cut);
+        return Fate(SPLIT, edge_flags | select(vec3<u32>(), vec3<u32>(CULL_FLAG), flags));
+    }
+    if is_culled(a.xy, b.xy, c.xy, cull) {
+        return Fate(select(DROP, BACK, rule == CULL_CLOSED), vec3<u32>());
+    }
+    return Fate(select(DRAW, DROP, REJECT && is_between_texels(a.xy, b.xy, c.xy)), vec3<u32>());
+}
+
+fn mark_turned(vertex: u32) {
+    atomicOr(&turned[vertex / 32u], 1u << (vertex % 32u));
+}
+
+fn is_turned(vertex: u32) -> bool {
+    return (atomicLoad(&turned[vertex / 32u]) & (1u << (vertex % 32u))) != 0u;
+}
+
+// At a silhouette front and back meet, and the rasteriser's snapping decides which is nearer: there back faces are
+// kept. So are those next to another chunk, about which nothing is known here.
+fn fate_of_back(packed: u32) -> u32 {
+    let local = corners_of(packed);
+    let shared_corners = packed >> 24u;
+    if shared_corners == 0u && !is_turned(local.x) && !is_turned(local.y) && !is_turned(local.z) {
+        return DROP;
+    }
+    let between = is_between_texels(corners[local.x].xy, corners[local.y].xy, corners[local.z].xy);
+    return select(DRAW, DROP, between);
 }
 
 fn write_entry(at: u32, entry: vec3<u32>) {

@@ -66,7 +66,8 @@ pub(crate) struct Chunk {
 pub(crate) struct ChunkedMesh {
     /// The chunks' vertices, one run a chunk.
     pub(crate) positions: Vec<Vec3>,
-    /// A triangle's corners as places in its chunk's run of vertices: bits 0-7, 8-15, 16-23.
+    /// A triangle's corners as places in its chunk's run of vertices: bits 0-7, 8-15, 16-23. Bits 24-26 say which
+    /// of them other chunks have too.
     pub(crate) triangles: Vec<u32>,
     pub(crate) chunks: Vec<Chunk>,
     pub(crate) bounds: Bounds,
@@ -104,6 +105,8 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
         pieces: &pieces,
         always: mesh.sides == Sides::Front,
         local: vec![u32::MAX; positions.len()],
+        first_chunk: vec![u32::MAX; positions.len()],
+        welded: Vec::new(),
         out: ChunkedMesh {
             positions: Vec::new(),
             triangles: Vec::new(),
@@ -115,6 +118,7 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
     let (closed, open) = triangles.split_at_mut(split);
     cutter.cut(closed);
     cutter.cut(open);
+    cutter.mark_shared();
     for &position in &cutter.out.positions {
         cutter.out.bounds.extend(position);
     }
@@ -265,8 +269,15 @@ struct Cutter<'a> {
     always: bool,
     /// Welded vertex to its place in the chunk being made, or `u32::MAX`.
     local: Vec<u32>,
+    /// Welded vertex to the first chunk that has it, `SHARED` if there are several, `u32::MAX` if none.
+    first_chunk: Vec<u32>,
+    /// The welded vertices of `out.positions`.
+    welded: Vec<u32>,
     out: ChunkedMesh,
 }
+
+/// A vertex of several chunks.
+const SHARED: u32 = u32::MAX - 1;
 
 impl Cutter<'_> {
     /// Halves by the longest axis until what is left makes a chunk.
@@ -305,6 +316,7 @@ impl Cutter<'_> {
                 if *local == u32::MAX {
                     *local = (self.out.positions.len() - first_vertex) as u32;
                     self.out.positions.push(self.positions[vertex as usize]);
+                    self.welded.push(vertex);
                 }
                 packed |= (*local & 0xff) << (8 * place);
             }
@@ -321,8 +333,14 @@ impl Cutter<'_> {
         let vertex_count = self.out.positions.len() - first_vertex;
         if vertex_count > CHUNK_SIZE {
             self.out.positions.truncate(first_vertex);
+            self.welded.truncate(first_vertex);
             self.out.triangles.truncate(first_triangle);
             return false;
+        }
+        let chunk = self.out.chunks.len() as u32;
+        for &vertex in &self.welded[first_vertex..] {
+            let first = &mut self.first_chunk[vertex as usize];
+            *first = if *first == u32::MAX { chunk } else { SHARED };
         }
         let culling = match (self.always, triangles[0].closed) {
             (true, _) => Culling::Always,
@@ -338,5 +356,19 @@ impl Cutter<'_> {
             pieces,
         });
         true
+    }
+
+    /// Marks the corners that other chunks have too.
+    fn mark_shared(&mut self) {
+        for chunk in &self.out.chunks {
+            let first = chunk.first_triangle as usize;
+            for packed in &mut self.out.triangles[first..first + chunk.triangle_count as usize] {
+                for place in 0..3 {
+                    let local = *packed >> (8 * place) & 0xff;
+                    let vertex = self.welded[(chunk.first_vertex + local) as usize];
+                    *packed |= u32::from(self.first_chunk[vertex as usize] == SHARED) << (24 + place);
+                }
+            }
+        }
     }
 }

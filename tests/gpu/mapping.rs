@@ -236,7 +236,8 @@ fn a_plane_is_a_quadratic() {
 fn an_edge_is_a_circle_and_its_sagitta_the_gap() {
     for (a, b) in edges() {
         let (a, b) = (double::unproject(a.as_dvec2()), double::unproject(b.as_dvec2()));
-        if a.angle_between(b) > 3.0 || a.distance(b) < 1e-3 {
+        // Around the disc no arc of an edge this short is more than half a circle.
+        if a.angle_between(b) > 1.5 || a.distance(b) < 1e-3 {
             continue;
         }
         let (pa, pb) = (double::project(a), double::project(b));

@@ -33,7 +33,11 @@ fn random_soup(rng: &mut Pcg64, count: usize) -> Vec<[Vec3; 3]> {
     (0..count)
         .map(|i| {
             let centre = point(10.0);
-            let size = [0.01, 0.1, 1.0, 8.0][i % 4];
+            let size = if i % 100 == 0 {
+                8.0
+            } else {
+                [0.01, 0.1, 0.3, 1.0][i % 4]
+            };
             [centre, centre + point(size), centre + point(size)]
         })
         .collect()
