@@ -198,3 +198,188 @@ fn plane_ratio(receiver: &Located, q: DVec2) -> f64 {
     };
     ratio.clamp(PLANE_RATIO.0, PLANE_RATIO.1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::test_shapes::{box_triangles, random_direction, random_vector, sheet};
+    use glam::DQuat;
+    use rand::{Rng, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    const GEOMETRY: MapGeometry = MapGeometry {
+        resolution: 128,
+        guard: 0.05,
+    };
+
+    fn view(position: DVec3, orientation: DQuat) -> View {
+        View {
+            position,
+            orientation,
+            near: 0.01,
+            range: f64::INFINITY,
+        }
+    }
+
+    #[test]
+    fn texels_and_map_coordinates_go_both_ways() {
+        for index in 0..GEOMETRY.texels() {
+            let (back, i, j) = GEOMETRY.texel_at(index);
+            assert_eq!(GEOMETRY.index(back, i, j), index);
+            let at = GEOMETRY.position(GEOMETRY.centre(i, j));
+            assert!(
+                (at - DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5)).length() < 1e-10,
+                "{at}"
+            );
+        }
+        let corner = GEOMETRY.centre(0, 0) + DVec2::new(-0.5, 0.5) * GEOMETRY.texel();
+        assert!(
+            (corner - DVec2::new(-1.05, 1.05)).length() < 1e-12,
+            "upper left: {corner}"
+        );
+    }
+
+    #[test]
+    fn map_of_a_room_is_its_closed_form() {
+        let mut random = Pcg64::seed_from_u64(1);
+        for _ in 0..10 {
+            let turn = DQuat::from_scaled_axis(random_vector(&mut random) * 3.0);
+            let light = random_vector(&mut random);
+            let view = view(light, turn);
+            let (min, max) = (DVec3::new(-2.0, -1.5, -1.1), DVec3::new(1.3, 4.0, 6.0));
+            let reference = Reference::new(&box_triangles(min, max), None, light);
+            let map = ideal_map(&reference, &view, GEOMETRY);
+            for (index, &depth) in map.depths.iter().enumerate() {
+                let (back, i, j) = GEOMETRY.texel_at(index);
+                let p = GEOMETRY.centre(i, j);
+                if p.length() > 1.05 {
+                    assert_eq!((depth, map.triangles[index]), (0.0, NO_TRIANGLE));
+                    continue;
+                }
+                // The mapping in its textbook form, the back hemisphere turned half a circle about Y.
+                let r2 = p.length_squared();
+                let mut d = DVec3::new(2.0 * p.x, 2.0 * p.y, 1.0 - r2) / (1.0 + r2);
+                let cosine = d.z;
+                if back {
+                    d = DQuat::from_rotation_y(std::f64::consts::PI) * d;
+                }
+                let d = turn * d;
+                let walls = DVec3::select(d.cmpgt(DVec3::ZERO), max - light, min - light) / d;
+                let expected = view.near / (walls.min_element() * (1.0 + cosine));
+                assert!((depth / expected - 1.0).abs() < 1e-9, "{p} {depth} {expected}");
+            }
+        }
+    }
+
+    /// A cap of radius 0.9 near in front of each axis direction: held where w >= near, which is everywhere but next
+    /// to the rim.
+    #[test]
+    fn casters_nearer_than_the_clip_distance_are_left_out() {
+        let near = 1.0;
+        let view = View {
+            near,
+            ..view(DVec3::ZERO, DQuat::IDENTITY)
+        };
+        let size = DVec3::splat(0.8);
+        let reference = Reference::new(&box_triangles(-size, size), None, DVec3::ZERO);
+        let map = ideal_map(&reference, &view, GEOMETRY);
+        let mut clipped = 0;
+        for (index, &depth) in map.depths.iter().enumerate() {
+            let (_, i, j) = GEOMETRY.texel_at(index);
+            let p = GEOMETRY.centre(i, j);
+            if !GEOMETRY.in_disc(p) {
+                continue;
+            }
+            let d = paraboloid::unproject(p);
+            let w = 0.8 / d.abs().max_element() * (1.0 + d.z);
+            assert_eq!(depth > 0.0, w >= near, "{p} {w}");
+            clipped += usize::from(w < near);
+        }
+        assert!(clipped > 100);
+    }
+
+    /// A floor seen from a hand's breadth to grazing: no texel of it may shadow it, in any orientation, without a bias
+    /// beyond rounding.
+    #[test]
+    fn a_plane_does_not_shadow_itself() {
+        let mut random = Pcg64::seed_from_u64(3);
+        for _ in 0..20 {
+            let turn = DQuat::from_scaled_axis(random_vector(&mut random) * 3.0);
+            let view = view(DVec3::ZERO, turn);
+            let floor = sheet(DVec3::new(-1e3, -1.0, -1e3), DVec3::X * 2e3, DVec3::Z * 2e3);
+            let reference = Reference::new(&floor, None, DVec3::ZERO);
+            let map = ideal_map(&reference, &view, GEOMETRY);
+            let lookup = Lookup {
+                view,
+                geometry: GEOMETRY,
+                bias: 1e-6,
+            };
+            for _ in 0..2000 {
+                let mut d = random_direction(&mut random);
+                d.y = -d.y.abs() - 0.1;
+                let normal = DVec3::Y * random.random_range(0.1..10.0) * if random.random() { 1.0 } else { -1.0 };
+                let value = lookup.shadow(|texel| map.depths[texel], d / -d.y, normal);
+                assert!((value - 1.0).abs() < 1e-12, "{d} {value}");
+            }
+        }
+    }
+
+    /// What stands before the receiver's plane by more than the bias shadows it, and what stands less far doesn't.
+    #[test]
+    fn bias_is_in_texel_footprints_along_the_ray() {
+        let geometry = MapGeometry {
+            resolution: 64,
+            guard: 0.0,
+        };
+        let lookup = Lookup {
+            view: view(DVec3::ZERO, DQuat::IDENTITY),
+            geometry,
+            bias: 0.5,
+        };
+        let mut random = Pcg64::seed_from_u64(4);
+        for _ in 0..1000 {
+            let d = random_direction(&mut random);
+            let normal = d;
+            let p = paraboloid::project(if d.z < 0.0 { DVec3::new(-d.x, d.y, -d.z) } else { d });
+            let footprint = 4.0 / 64.0 / (1.0 + p.length_squared());
+            let stored = |gap: f64| {
+                move |texel: usize| {
+                    let (_, i, j) = geometry.texel_at(texel);
+                    let q = paraboloid::unproject(geometry.centre(i, j));
+                    let in_map = if d.z < 0.0 { DVec3::new(-d.x, d.y, -d.z) } else { d };
+                    let t = (1.0 - gap * footprint) / q.dot(in_map);
+                    paraboloid::depth(q * t, 0.01)
+                }
+            };
+            assert_eq!(lookup.shadow(stored(0.51), d, normal), 0.0, "{d}");
+            assert!((lookup.shadow(stored(0.49), d, normal) - 1.0).abs() < 1e-12, "{d}");
+        }
+    }
+
+    /// With one texel of the four dark, the answer falls by that texel's bilinear weight.
+    #[test]
+    fn weights_are_bilinear() {
+        let lookup = Lookup {
+            view: view(DVec3::ZERO, DQuat::IDENTITY),
+            geometry: GEOMETRY,
+            bias: 0.1,
+        };
+        let (i, j) = (40, 70);
+        let dark = GEOMETRY.index(false, i, j);
+        let stored = |texel| if texel == dark { 1.0 } else { 0.0 };
+        for (x, y) in [
+            (0.0, 0.0),
+            (0.25, 0.5),
+            (-0.75, 0.1),
+            (0.9, -0.9),
+            (-0.3, -0.4),
+            (1.1, 0.0),
+        ] {
+            let p = GEOMETRY.centre(i, j) + DVec2::new(x, y) * GEOMETRY.texel();
+            let d = paraboloid::unproject(p) * 3.0;
+            let expected = 1.0 - f64::max(0.0, 1.0 - f64::abs(x)) * f64::max(0.0, 1.0 - f64::abs(y));
+            let value = lookup.shadow(stored, d, d);
+            assert!((value - expected).abs() < 1e-9, "{x} {y}: {value} {expected}");
+        }
+    }
+}

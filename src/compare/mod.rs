@@ -6,3 +6,5 @@
 pub mod error_figures;
 pub mod ideal;
 pub mod reference;
+#[cfg(test)]
+mod test_shapes;

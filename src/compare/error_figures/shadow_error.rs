@@ -177,3 +177,202 @@ fn nearby_rings(p: DVec2, geometry: &MapGeometry) -> impl Iterator<Item = DVec2>
         (0..rays).map(move |ray| p + DVec2::from_angle(TAU * ray as f64 / rays as f64) * radius)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::error_figures::{ideal_shadows, sample_receivers, truth};
+    use crate::compare::ideal::{Lookup, ideal_map};
+    use crate::compare::test_shapes::{box_triangles, random_vector, sheet};
+    use glam::{DQuat, Vec3};
+    use rand::{Rng, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    const GEOMETRY: MapGeometry = MapGeometry {
+        resolution: 256,
+        guard: 0.05,
+    };
+
+    fn view(orientation: DQuat) -> View {
+        View {
+            position: DVec3::ZERO,
+            orientation,
+            near: 0.01,
+            range: f64::INFINITY,
+        }
+    }
+
+    fn receiver(reference: &Reference, triangle: u32, position: DVec3) -> Receiver {
+        let rounded = position.as_vec3();
+        let normal: Vec3 = reference.normal(triangle).as_vec3();
+        Receiver {
+            position: rounded,
+            normal,
+            triangle,
+            rounding: rounded.as_dvec3().distance(position),
+        }
+    }
+
+    #[test]
+    fn counts_are_of_all_samples() {
+        let reference = Reference::new(&box_triangles(DVec3::NEG_ONE, DVec3::ONE), None, DVec3::ZERO);
+        let view = view(DQuat::IDENTITY);
+        let receivers = sample_receivers(&reference, &view, 1000, 1);
+        let lit: Vec<bool> = (0..1000).map(|i| i % 4 != 0).collect();
+        let mut values: Vec<f32> = lit.iter().map(|&lit| if lit { 0.5 } else { 0.49 }).collect();
+        let none = shadow_error(&receivers, &lit, &values, &reference, &view, &GEOMETRY);
+        let expected = ShadowError {
+            samples: 1000,
+            lit_fraction: 0.75,
+            ..ShadowError::default()
+        };
+        assert_eq!(none, expected);
+        values[0] = 0.5;
+        values[4] = 1.0;
+        values[5] = 0.49;
+        let some = shadow_error(&receivers, &lit, &values, &reference, &view, &GEOMETRY);
+        assert_eq!(
+            (some.wrong_ppm, some.leak_ppm, some.false_shadow_ppm),
+            (3000.0, 2000.0, 1000.0)
+        );
+    }
+
+    /// The shadow of a plate on a floor, at receivers all over the floor: a boundary is near where the outline's
+    /// projection is.
+    #[test]
+    fn boundaries_are_found_where_they_are() {
+        let mut scene = sheet(DVec3::new(-30.0, -2.0, -30.0), DVec3::X * 60.0, DVec3::Z * 60.0);
+        scene.extend(sheet(
+            DVec3::new(-0.4, -1.0, -0.3),
+            DVec3::X * 0.9,
+            DVec3::new(0.2, 0.1, 0.8),
+        ));
+        let reference = Reference::new(&scene, None, DVec3::ZERO);
+        let view = view(DQuat::from_rotation_z(0.4) * DQuat::from_rotation_x(0.9));
+        let [a, b, c] = reference.triangles()[2];
+        let outline = [a, b, c, reference.triangles()[3][2]];
+        let mut near_ones = [0, 0];
+        for receiver in sample_receivers(&reference, &view, 20_000, 2)
+            .iter()
+            .filter(|r| r.triangle < 2)
+        {
+            let (x, back) = view.to_hemisphere(receiver.relative(DVec3::ZERO));
+            let p = paraboloid::project(x);
+            let distance = (0..4000)
+                .map(|i| outline[i / 1000].lerp(outline[(i / 1000 + 1) % 4], f64::from(i as u32 % 1000) * 1e-3))
+                .map(|point| paraboloid::project(paraboloid::to_hemisphere(view.orientation.inverse() * point, back)))
+                .map(|q| p.distance(q) / GEOMETRY.texel())
+                .fold(f64::INFINITY, f64::min);
+            let lit = truth(&[*receiver], &reference, &view)[0];
+            if (distance - FAR_TEXELS).abs() > 0.06 {
+                let near = near_boundary(receiver, lit, &reference, &view, &GEOMETRY);
+                assert_eq!(near, distance < FAR_TEXELS, "{lit} {distance} {p}");
+                near_ones[usize::from(lit)] += usize::from(near);
+            }
+        }
+        assert!(near_ones.iter().all(|&count| count > 20), "{near_ones:?}");
+    }
+
+    /// In a lit room, a wall's receivers have a crease near them next to the corner, and none elsewhere; outside of a
+    /// box, its convex edges are none.
+    #[test]
+    fn concave_creases_count_and_convex_ones_do_not() {
+        let room = Reference::new(&box_triangles(DVec3::splat(-2.0), DVec3::splat(2.0)), None, DVec3::ZERO);
+        let view = view(DQuat::from_rotation_x(0.5));
+        let near = |reference: &Reference, triangle, position| {
+            near_boundary(
+                &receiver(reference, triangle, position),
+                true,
+                reference,
+                &view,
+                &GEOMETRY,
+            )
+        };
+        let floor = (0..12)
+            .find(|&t| room.triangles()[t as usize].iter().all(|c| c.y == -2.0))
+            .expect("a floor");
+        assert!(!near(&room, floor, DVec3::new(0.3, -2.0, 0.2)));
+        assert!(!near(&room, floor, DVec3::new(1.8, -2.0, 0.2)));
+        assert!(near(&room, floor, DVec3::new(1.99, -2.0, 0.2)));
+        let below = DVec3::new(0.0, -3.0, 0.0);
+        let block = Reference::new(&box_triangles(below - 0.5, below + 0.5), None, DVec3::ZERO);
+        let lid = (0..12)
+            .find(|&t| block.triangles()[t as usize].iter().all(|c| c.y == -2.5))
+            .expect("a lid");
+        assert!(!near(&block, lid, DVec3::new(0.499, -2.5, 0.1)));
+    }
+
+    /// Sheets a hair apart: a leak in the lower one is far from any boundary, and is said to be.
+    #[test]
+    fn a_leak_through_a_thin_gap_is_far() {
+        let floor = |y: f64| sheet(DVec3::new(-5.0, y, -5.0), DVec3::X * 10.0, DVec3::Z * 10.0);
+        let reference = Reference::new(&[floor(-2.0), floor(-2.0 - 1e-4)].concat(), None, DVec3::ZERO);
+        let view = view(DQuat::IDENTITY);
+        let receivers = [receiver(&reference, 2, DVec3::new(0.3, -2.0 - 1e-4, 0.1))];
+        let lit = truth(&receivers, &reference, &view);
+        assert_eq!(lit, [false]);
+        let error = shadow_error(&receivers, &lit, &[1.0], &reference, &view, &GEOMETRY);
+        assert_eq!((error.leak_ppm, error.far_wrong_ppm), (1e6, 1e6));
+    }
+
+    /// The twin of the lookup on a ray-cast map of a room with boxes, in random orientations: wrong next to boundaries
+    /// only, the less the finer the map, and without any bias in many more places.
+    #[test]
+    fn the_ideal_is_wrong_next_to_boundaries_only() {
+        let mut random = Pcg64::seed_from_u64(9);
+        let mut scene = box_triangles(DVec3::splat(-4.0), DVec3::splat(4.0));
+        for _ in 0..20 {
+            let turn = DQuat::from_scaled_axis(random_vector(&mut random) * 3.0);
+            let size = DVec3::from_array(std::array::from_fn(|_| random.random_range(0.05..0.5)));
+            let mut at = random_vector(&mut random) * 3.5;
+            if at.length() < 1.2 {
+                at = at.normalize() * 1.2;
+            }
+            scene.extend(
+                box_triangles(-size, size)
+                    .iter()
+                    .map(|t| t.map(|corner| at + turn * corner)),
+            );
+        }
+        let reference = Reference::new(&scene, None, DVec3::ZERO);
+        for _ in 0..3 {
+            let view = view(DQuat::from_scaled_axis(random_vector(&mut random) * 3.0));
+            let receivers = sample_receivers(&reference, &view, 50_000, 11);
+            let lit = truth(&receivers, &reference, &view);
+            let error_at = |resolution, bias| {
+                let geometry = MapGeometry {
+                    resolution,
+                    guard: 0.05,
+                };
+                let map = ideal_map(&reference, &view, geometry);
+                let values = ideal_shadows(&receivers, &map, &Lookup { view, geometry, bias });
+                shadow_error(&receivers, &lit, &values, &reference, &view, &geometry)
+            };
+            let (coarse, fine) = (error_at(128, 0.35), error_at(512, 0.35));
+            assert_eq!(
+                (coarse.far_wrong_ppm, fine.far_wrong_ppm),
+                (0.0, 0.0),
+                "{coarse:?} {fine:?}"
+            );
+            assert!(
+                fine.wrong_ppm > 0.0 && fine.wrong_ppm < 0.4 * coarse.wrong_ppm,
+                "{coarse:?} {fine:?}"
+            );
+            assert!(
+                coarse.wrong_ppm < 30_000.0 && (0.2..0.9).contains(&coarse.lit_fraction),
+                "{coarse:?}"
+            );
+            let acne = error_at(128, -0.5);
+            assert!(acne.far_wrong_ppm > 100_000.0, "{acne:?}");
+        }
+    }
+
+    #[test]
+    fn keys_are_those_of_the_report() {
+        let json = serde_json::to_value(ShadowReport::default()).expect("plain numbers");
+        let mut keys: Vec<_> = json.as_object().expect("a struct").keys().collect();
+        keys.sort();
+        let expected = "false_shadow_ppm far_wrong_ppm ideal_wrong_ppm leak_ppm lit_fraction samples wrong_ppm";
+        assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
+    }
+}
