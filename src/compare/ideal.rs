@@ -112,7 +112,7 @@ fn ideal_texel(reference: &Reference, view: &View, geometry: &MapGeometry, back:
         })
 }
 
-/// The lookup of `shaders/lookup.wgsl` in double precision: the same steps under the same names.
+/// The lookup of `shaders/lookup.wgsl`, bilinear, in double precision: the same steps under the same names.
 #[derive(Clone, Copy, Debug)]
 pub struct Lookup {
     /// Where the light looks from.
@@ -120,83 +120,84 @@ pub struct Lookup {
     /// Size of the maps.
     pub geometry: MapGeometry,
     /// Depth bias k: how far the receiver is moved toward the light, in texel footprints at the receiver. Too little
-    /// shows as acne on curved casters, too much as peter-panning.
+    /// shows as acne on curved casters, too much as peter-panning. The library's is [`BIAS`].
     pub bias: f64,
 }
 
-/// Bounds of the ratio between the depths of the receiver's plane at a texel centre and at the receiver, against
-/// planes that are seen edge-on.
-pub const PLANE_RATIO: (f64, f64) = (0.25, 4.0);
+/// The library's depth bias, `DP_BIAS`.
+pub const BIAS: f64 = 0.35;
 
-/// A receiver in the map of its hemisphere.
+/// Bounds of the ratio between the depths of the receiver's plane at a texel centre and at the receiver, against
+/// planes that are seen edge-on: `DP_SLOPE_LOW` and `DP_SLOPE_HIGH`.
+pub const SLOPE: (f64, f64) = (0.25, 4.0);
+
+/// A receiver in the map of its hemisphere: `DpReceiver`.
 struct Located {
+    /// Hemisphere space, relative to the light.
+    position: DVec3,
+    normal: DVec3,
     back: bool,
     /// Map coordinates.
-    p: DVec2,
-    /// Depth of the receiver, `near / w`.
-    depth: f64,
-    /// Geometric normal in hemisphere space.
-    normal: DVec3,
+    map: DVec2,
 }
 
 impl Lookup {
-    /// How much of the light reaches a point of the world, from 0 (shadow) to 1 (lit), by the bilinear filter over the
-    /// four nearest texels. `stored` gives the depth in a texel of the image of the pair; `normal` is the receiver's
-    /// geometric normal in the world, of any length and either sign.
+    /// How much of the light reaches a point of the world, from 0 (dark) to 1 (lit), by the bilinear filter over the
+    /// four nearest texels. Points out of range are lit. `stored` gives the depth in a texel of the image of the pair;
+    /// `normal` is the receiver's geometric normal in the world, of any length and either sign.
     #[must_use]
     pub fn shadow(&self, stored: impl Fn(usize) -> f64, position: DVec3, normal: DVec3) -> f64 {
         let receiver = self.locate(position, normal);
-        let reference_depth = self.biased_depth(&receiver);
-        self.sample(stored, &receiver, reference_depth)
+        if receiver.position.length() > self.view.range {
+            return 1.0;
+        }
+        self.sample_bilinear(stored, &receiver)
     }
 
     fn locate(&self, position: DVec3, normal: DVec3) -> Located {
-        let (x, back) = self.view.to_hemisphere(position - self.view.position);
+        let (position, back) = self.view.to_hemisphere(position - self.view.position);
         let normal = paraboloid::to_hemisphere(self.view.orientation.inverse() * normal, back);
         Located {
-            back,
-            p: paraboloid::project(x),
-            depth: paraboloid::depth(x, self.view.near),
+            position,
             normal,
+            back,
+            map: paraboloid::project(position),
         }
     }
 
-    /// The receiver's depth, moved toward the light by the bias.
-    fn biased_depth(&self, receiver: &Located) -> f64 {
-        receiver.depth / (1.0 - self.bias * paraboloid::texel_angle(receiver.p, self.geometry.texel()))
+    /// The depth above which the map's content at map coordinates `p` hides the receiver: the receiver's own plane
+    /// there, moved toward the light by the bias.
+    fn reference(&self, receiver: &Located, p: DVec2) -> f64 {
+        let here = receiver.normal.dot(paraboloid::unproject_scaled(receiver.map));
+        let there = receiver.normal.dot(paraboloid::unproject_scaled(p));
+        // Without a plane (no normal, or the light in it) the receiver's own depth has to do.
+        let slope = if here == 0.0 {
+            1.0
+        } else {
+            (there / here).clamp(SLOPE.0, SLOPE.1)
+        };
+        let bias = self.bias * paraboloid::texel_angle(receiver.map, self.geometry.texel());
+        paraboloid::depth(receiver.position, self.view.near) * slope / (1.0 - bias.min(0.5))
     }
 
-    /// Compares each of the four texels with the receiver's plane at that texel's centre.
-    fn sample(&self, stored: impl Fn(usize) -> f64, receiver: &Located, reference_depth: f64) -> f64 {
-        let at = self.geometry.position(receiver.p) - 0.5;
-        let base = at.floor();
-        let fraction = at - base;
-        let mut lit = 0.0;
-        for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-            let last = f64::from(self.geometry.resolution - 1);
-            let texel = (base + DVec2::new(dx, dy)).clamp(DVec2::ZERO, DVec2::splat(last));
-            let (i, j) = (texel.x as u32, texel.y as u32);
-            let reference = reference_depth * plane_ratio(receiver, self.geometry.centre(i, j));
-            if stored(self.geometry.index(receiver.back, i, j)) <= reference {
-                let weight = DVec2::new(1.0 - dx, 1.0 - dy) + fraction * DVec2::new(2.0 * dx - 1.0, 2.0 * dy - 1.0);
-                lit += weight.x * weight.y;
-            }
-        }
-        lit
+    fn sample_bilinear(&self, stored: impl Fn(usize) -> f64, receiver: &Located) -> f64 {
+        let last = self.geometry.resolution - 1;
+        let at = self.geometry.position(receiver.map) - 0.5;
+        let base = at
+            .floor()
+            .clamp(DVec2::ZERO, DVec2::splat(f64::from(last.saturating_sub(1))));
+        let f = (at - base).clamp(DVec2::ZERO, DVec2::ONE);
+        let (i, j) = (base.x as u32, base.y as u32);
+        let lit = |i: u32, j: u32| {
+            let (i, j) = (i.min(last), j.min(last));
+            let hidden =
+                stored(self.geometry.index(receiver.back, i, j)) > self.reference(receiver, self.geometry.centre(i, j));
+            if hidden { 0.0 } else { 1.0 }
+        };
+        let upper = (1.0 - f.x) * lit(i, j) + f.x * lit(i + 1, j);
+        let lower = (1.0 - f.x) * lit(i, j + 1) + f.x * lit(i + 1, j + 1);
+        (1.0 - f.y) * upper + f.y * lower
     }
-}
-
-/// Depth of the receiver's plane at map coordinates `q`, relative to its depth at the receiver.
-fn plane_ratio(receiver: &Located, q: DVec2) -> f64 {
-    let at_receiver = receiver.normal.dot(paraboloid::unproject_scaled(receiver.p));
-    let at_texel = receiver.normal.dot(paraboloid::unproject_scaled(q));
-    // A light in the receiver's plane has no ratio (0/0): any will do.
-    let ratio = if at_receiver == 0.0 {
-        1.0
-    } else {
-        at_texel / at_receiver
-    };
-    ratio.clamp(PLANE_RATIO.0, PLANE_RATIO.1)
 }
 
 #[cfg(test)]

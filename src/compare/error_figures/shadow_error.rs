@@ -95,9 +95,14 @@ pub fn shadow_error(
 ///
 /// The receiver's plane is what counts, continued beyond its triangle: the lookup compares with that plane, and a
 /// crease is where the surface leaves it. Rays of the light, in a disc of directions around the receiver, meet the plane
-/// at points of their own. For a receiver in the dark there is a boundary if one of these points is truly visible. For
-/// a lit one there is, if at one of them another surface stands in front of the plane by more than [`CREASE_DEPTH`]
-/// footprints, be it an occluder or the neighbouring face of a concave crease. A convex crease alone is no excuse.
+/// at points of their own; the *gap* there is how far in front of the plane the nearest caster stands, along the ray.
+///
+/// - For a lit receiver there is a boundary where a gap is more than [`CREASE_DEPTH`] footprints: an occluder's edge, or
+///   the neighbouring face of a concave crease. A convex crease alone is no excuse.
+/// - For a dark one there is a boundary where the plane's point is truly visible, or the gap is both less than
+///   [`CREASE_DEPTH`] footprints and less than half of that at the receiver: the light reaches a neighbouring face that
+///   leaves the plane a little. A sheet that stands before the receiver at an even gap, however thin, makes none: to
+///   leak there is a far error.
 ///
 /// The rays are a sample of the disc: they may miss a boundary, which makes a figure of far errors too high, and never
 /// find one that isn't there.
@@ -109,22 +114,90 @@ pub fn near_boundary(
     view: &View,
     geometry: &MapGeometry,
 ) -> bool {
-    let plane = Plane::new(receiver, reference, view);
-    let boundary_at = |q: DVec2| {
-        let d = paraboloid::unproject(q);
-        let Some(t) = plane.distance_along(d).filter(|&t| t >= view.clip_distance(d)) else {
-            return false;
+    let search = BoundarySearch::new(receiver, lit, reference, view, geometry);
+    let p = search.plane.p;
+    nearby_texel_centres(p, geometry)
+        .chain(nearby_rings(p, geometry))
+        .any(|q| search.is_other_side(q))
+}
+
+struct BoundarySearch<'a> {
+    receiver: &'a Receiver,
+    lit: bool,
+    reference: &'a Reference,
+    view: &'a View,
+    texel: f64,
+    plane: Plane,
+    /// Half of the gap in front of the receiver itself, relative to its distance; infinite if nothing stands there.
+    half_gap: f64,
+}
+
+impl<'a> BoundarySearch<'a> {
+    fn new(
+        receiver: &'a Receiver,
+        lit: bool,
+        reference: &'a Reference,
+        view: &'a View,
+        geometry: &MapGeometry,
+    ) -> Self {
+        let plane = Plane::new(receiver, reference, view);
+        let mut search = Self {
+            receiver,
+            lit,
+            reference,
+            view,
+            texel: geometry.texel(),
+            plane,
+            half_gap: f64::INFINITY,
         };
-        let direction = view.to_world(d, plane.back);
-        if !lit {
-            let slack = receiver.slack(view.position);
-            return !reference.occluded(direction * t, Some(receiver.triangle), view.clip_distance(d), slack);
+        search.half_gap = search
+            .relative_gap(search.plane.p)
+            .map_or(f64::INFINITY, |gap| 0.5 * gap);
+        search
+    }
+
+    /// The ray at map coordinates `q`: its direction in world axes, and where it meets the plane, if the map holds that.
+    fn meets_plane(&self, q: DVec2) -> Option<(DVec3, f64)> {
+        let d = paraboloid::unproject(q);
+        let t = self.plane.distance_along(d).filter(|&t| t >= self.clip_distance(q))?;
+        Some((self.view.to_world(d, self.plane.back), t))
+    }
+
+    fn clip_distance(&self, q: DVec2) -> f64 {
+        self.view.clip_distance(paraboloid::unproject(q))
+    }
+
+    /// The gap at map coordinates `q`, relative to the plane's distance there; zero if nothing stands before the plane.
+    fn relative_gap(&self, q: DVec2) -> Option<f64> {
+        let (direction, t) = self.meets_plane(q)?;
+        let hit = self.reference.nearest(direction, self.clip_distance(q));
+        let hit = hit.filter(|hit| hit.triangle != self.receiver.triangle);
+        Some(hit.map_or(0.0, |hit| (1.0 - hit.t / t).max(0.0)))
+    }
+
+    /// Whether the plane's point at `q` is dark for a lit receiver, or lit for a dark one.
+    fn is_other_side(&self, q: DVec2) -> bool {
+        let Some(gap) = self.relative_gap(q) else { return false };
+        let crease = CREASE_DEPTH * paraboloid::texel_angle(q, self.texel);
+        if self.lit {
+            gap > crease
+        } else {
+            gap < crease.min(self.half_gap) || self.is_visible(q)
         }
-        let crease = CREASE_DEPTH * paraboloid::texel_angle(q, geometry.texel());
-        let front = reference.nearest(direction, view.clip_distance(d));
-        front.is_some_and(|hit| hit.triangle != receiver.triangle && hit.t < t * (1.0 - crease))
-    };
-    nearby_texel_centres(plane.p, geometry).any(boundary_at) || nearby_rings(plane.p, geometry).any(boundary_at)
+    }
+
+    /// Whether the light reaches the plane's point at `q`, but for surfaces that it lies on.
+    fn is_visible(&self, q: DVec2) -> bool {
+        let slack = self.receiver.slack(self.view.position);
+        self.meets_plane(q).is_some_and(|(direction, t)| {
+            !self.reference.occluded(
+                direction * t,
+                Some(self.receiver.triangle),
+                self.clip_distance(q),
+                slack,
+            )
+        })
+    }
 }
 
 /// A receiver's plane in the space of its hemisphere.
@@ -313,6 +386,31 @@ mod tests {
         assert_eq!(lit, [false]);
         let error = shadow_error(&receivers, &lit, &[1.0], &reference, &view, &GEOMETRY);
         assert_eq!((error.leak_ppm, error.far_wrong_ppm), (1e6, 1e6));
+    }
+
+    /// A plate's edge right above a concave crease of one degree: one face all dark, the other all lit. A dark receiver
+    /// close to the crease is close to the boundary, although the lit face hides the plane of its own.
+    #[test]
+    fn a_boundary_on_the_neighbouring_face_counts() {
+        let floor = sheet(DVec3::new(0.0, -2.0, -5.0), DVec3::X * 5.0, DVec3::Z * 10.0);
+        let rising = sheet(
+            DVec3::new(0.0, -2.0, -5.0),
+            DVec3::new(-5.0, 5.0 * 0.0175, 0.0),
+            DVec3::Z * 10.0,
+        );
+        let plate = sheet(DVec3::new(0.0, -1.0, -5.0), DVec3::X * 5.0, DVec3::Z * 10.0);
+        let reference = Reference::new(&[floor, rising, plate].concat(), None, DVec3::ZERO);
+        let view = view(DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2));
+        let texel = 2.0 * paraboloid::texel_angle(DVec2::ZERO, GEOMETRY.texel());
+        for (texels, near) in [(1.0, true), (2.0, false)] {
+            let receiver = receiver(&reference, 0, DVec3::new(texels * texel, -2.0, 0.1));
+            assert_eq!(truth(&[receiver], &reference, &view), [false]);
+            assert_eq!(
+                near_boundary(&receiver, false, &reference, &view, &GEOMETRY),
+                near,
+                "{texels}"
+            );
+        }
     }
 
     /// The twin of the lookup on a ray-cast map of a room with boxes, in random orientations: wrong next to boundaries
