@@ -112,7 +112,7 @@ fn ideal_texel(reference: &Reference, view: &View, geometry: &MapGeometry, back:
         })
 }
 
-/// The lookup of `shaders/lookup.wgsl` in double precision: the same steps under the same names.
+/// The lookup of `shaders/lookup.wgsl`, bilinear, in double precision: the same steps under the same names.
 #[derive(Clone, Copy, Debug)]
 pub struct Lookup {
     /// Where the light looks from.
@@ -120,81 +120,267 @@ pub struct Lookup {
     /// Size of the maps.
     pub geometry: MapGeometry,
     /// Depth bias k: how far the receiver is moved toward the light, in texel footprints at the receiver. Too little
-    /// shows as acne on curved casters, too much as peter-panning.
+    /// shows as acne on curved casters, too much as peter-panning. The library's is [`BIAS`].
     pub bias: f64,
 }
 
-/// Bounds of the ratio between the depths of the receiver's plane at a texel centre and at the receiver, against
-/// planes that are seen edge-on.
-pub const PLANE_RATIO: (f64, f64) = (0.25, 4.0);
+/// The library's depth bias, `DP_BIAS`.
+pub const BIAS: f64 = 0.35;
 
-/// A receiver in the map of its hemisphere.
+/// Bounds of the ratio between the depths of the receiver's plane at a texel centre and at the receiver, against
+/// planes that are seen edge-on: `DP_SLOPE_LOW` and `DP_SLOPE_HIGH`.
+pub const SLOPE: (f64, f64) = (0.25, 4.0);
+
+/// A receiver in the map of its hemisphere: `DpReceiver`.
 struct Located {
+    /// Hemisphere space, relative to the light.
+    position: DVec3,
+    normal: DVec3,
     back: bool,
     /// Map coordinates.
-    p: DVec2,
-    /// Depth of the receiver, `near / w`.
-    depth: f64,
-    /// Geometric normal in hemisphere space.
-    normal: DVec3,
+    map: DVec2,
 }
 
 impl Lookup {
-    /// How much of the light reaches a point of the world, from 0 (shadow) to 1 (lit), by the bilinear filter over the
-    /// four nearest texels. `stored` gives the depth in a texel of the image of the pair; `normal` is the receiver's
-    /// geometric normal in the world, of any length and either sign.
+    /// How much of the light reaches a point of the world, from 0 (dark) to 1 (lit), by the bilinear filter over the
+    /// four nearest texels. Points out of range are lit. `stored` gives the depth in a texel of the image of the pair;
+    /// `normal` is the receiver's geometric normal in the world, of any length and either sign.
     #[must_use]
     pub fn shadow(&self, stored: impl Fn(usize) -> f64, position: DVec3, normal: DVec3) -> f64 {
         let receiver = self.locate(position, normal);
-        let reference_depth = self.biased_depth(&receiver);
-        self.sample(stored, &receiver, reference_depth)
+        if receiver.position.length() > self.view.range {
+            return 1.0;
+        }
+        self.sample_bilinear(stored, &receiver)
     }
 
     fn locate(&self, position: DVec3, normal: DVec3) -> Located {
-        let (x, back) = self.view.to_hemisphere(position - self.view.position);
+        let (position, back) = self.view.to_hemisphere(position - self.view.position);
         let normal = paraboloid::to_hemisphere(self.view.orientation.inverse() * normal, back);
         Located {
-            back,
-            p: paraboloid::project(x),
-            depth: paraboloid::depth(x, self.view.near),
+            position,
             normal,
+            back,
+            map: paraboloid::project(position),
         }
     }
 
-    /// The receiver's depth, moved toward the light by the bias.
-    fn biased_depth(&self, receiver: &Located) -> f64 {
-        receiver.depth / (1.0 - self.bias * paraboloid::texel_angle(receiver.p, self.geometry.texel()))
+    /// The depth above which the map's content at map coordinates `p` hides the receiver: the receiver's own plane
+    /// there, moved toward the light by the bias.
+    fn reference(&self, receiver: &Located, p: DVec2) -> f64 {
+        let here = receiver.normal.dot(paraboloid::unproject_scaled(receiver.map));
+        let there = receiver.normal.dot(paraboloid::unproject_scaled(p));
+        // Without a plane (no normal, or the light in it) the receiver's own depth has to do.
+        let slope = if here == 0.0 {
+            1.0
+        } else {
+            (there / here).clamp(SLOPE.0, SLOPE.1)
+        };
+        let bias = self.bias * paraboloid::texel_angle(receiver.map, self.geometry.texel());
+        paraboloid::depth(receiver.position, self.view.near) * slope / (1.0 - bias.min(0.5))
     }
 
-    /// Compares each of the four texels with the receiver's plane at that texel's centre.
-    fn sample(&self, stored: impl Fn(usize) -> f64, receiver: &Located, reference_depth: f64) -> f64 {
-        let at = self.geometry.position(receiver.p) - 0.5;
-        let base = at.floor();
-        let fraction = at - base;
-        let mut lit = 0.0;
-        for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-            let last = f64::from(self.geometry.resolution - 1);
-            let texel = (base + DVec2::new(dx, dy)).clamp(DVec2::ZERO, DVec2::splat(last));
-            let (i, j) = (texel.x as u32, texel.y as u32);
-            let reference = reference_depth * plane_ratio(receiver, self.geometry.centre(i, j));
-            if stored(self.geometry.index(receiver.back, i, j)) <= reference {
-                let weight = DVec2::new(1.0 - dx, 1.0 - dy) + fraction * DVec2::new(2.0 * dx - 1.0, 2.0 * dy - 1.0);
-                lit += weight.x * weight.y;
-            }
-        }
-        lit
+    fn sample_bilinear(&self, stored: impl Fn(usize) -> f64, receiver: &Located) -> f64 {
+        let last = self.geometry.resolution - 1;
+        let at = self.geometry.position(receiver.map) - 0.5;
+        let base = at
+            .floor()
+            .clamp(DVec2::ZERO, DVec2::splat(f64::from(last.saturating_sub(1))));
+        let f = (at - base).clamp(DVec2::ZERO, DVec2::ONE);
+        let (i, j) = (base.x as u32, base.y as u32);
+        let lit = |i: u32, j: u32| {
+            let (i, j) = (i.min(last), j.min(last));
+            let hidden =
+                stored(self.geometry.index(receiver.back, i, j)) > self.reference(receiver, self.geometry.centre(i, j));
+            if hidden { 0.0 } else { 1.0 }
+        };
+        let upper = (1.0 - f.x) * lit(i, j) + f.x * lit(i + 1, j);
+        let lower = (1.0 - f.x) * lit(i, j + 1) + f.x * lit(i + 1, j + 1);
+        (1.0 - f.y) * upper + f.y * lower
     }
 }
 
-/// Depth of the receiver's plane at map coordinates `q`, relative to its depth at the receiver.
-fn plane_ratio(receiver: &Located, q: DVec2) -> f64 {
-    let at_receiver = receiver.normal.dot(paraboloid::unproject_scaled(receiver.p));
-    let at_texel = receiver.normal.dot(paraboloid::unproject_scaled(q));
-    // A light in the receiver's plane has no ratio (0/0): any will do.
-    let ratio = if at_receiver == 0.0 {
-        1.0
-    } else {
-        at_texel / at_receiver
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::test_shapes::{box_triangles, random_direction, random_vector, sheet};
+    use glam::DQuat;
+    use rand::{Rng, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    const GEOMETRY: MapGeometry = MapGeometry {
+        resolution: 128,
+        guard: 0.05,
     };
-    ratio.clamp(PLANE_RATIO.0, PLANE_RATIO.1)
+
+    fn view(position: DVec3, orientation: DQuat) -> View {
+        View {
+            position,
+            orientation,
+            near: 0.01,
+            range: f64::INFINITY,
+        }
+    }
+
+    #[test]
+    fn texels_and_map_coordinates_go_both_ways() {
+        for index in 0..GEOMETRY.texels() {
+            let (back, i, j) = GEOMETRY.texel_at(index);
+            assert_eq!(GEOMETRY.index(back, i, j), index);
+            let at = GEOMETRY.position(GEOMETRY.centre(i, j));
+            assert!(
+                (at - DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5)).length() < 1e-10,
+                "{at}"
+            );
+        }
+        let corner = GEOMETRY.centre(0, 0) + DVec2::new(-0.5, 0.5) * GEOMETRY.texel();
+        assert!(
+            (corner - DVec2::new(-1.05, 1.05)).length() < 1e-12,
+            "upper left: {corner}"
+        );
+    }
+
+    #[test]
+    fn map_of_a_room_is_its_closed_form() {
+        let mut random = Pcg64::seed_from_u64(1);
+        for _ in 0..10 {
+            let turn = DQuat::from_scaled_axis(random_vector(&mut random) * 3.0);
+            let light = random_vector(&mut random);
+            let view = view(light, turn);
+            let (min, max) = (DVec3::new(-2.0, -1.5, -1.1), DVec3::new(1.3, 4.0, 6.0));
+            let reference = Reference::new(&box_triangles(min, max), None, light);
+            let map = ideal_map(&reference, &view, GEOMETRY);
+            for (index, &depth) in map.depths.iter().enumerate() {
+                let (back, i, j) = GEOMETRY.texel_at(index);
+                let p = GEOMETRY.centre(i, j);
+                if p.length() > 1.05 {
+                    assert_eq!((depth, map.triangles[index]), (0.0, NO_TRIANGLE));
+                    continue;
+                }
+                // The mapping in its textbook form, the back hemisphere turned half a circle about Y.
+                let r2 = p.length_squared();
+                let mut d = DVec3::new(2.0 * p.x, 2.0 * p.y, 1.0 - r2) / (1.0 + r2);
+                let cosine = d.z;
+                if back {
+                    d = DQuat::from_rotation_y(std::f64::consts::PI) * d;
+                }
+                let d = turn * d;
+                let walls = DVec3::select(d.cmpgt(DVec3::ZERO), max - light, min - light) / d;
+                let expected = view.near / (walls.min_element() * (1.0 + cosine));
+                assert!((depth / expected - 1.0).abs() < 1e-9, "{p} {depth} {expected}");
+            }
+        }
+    }
+
+    /// A cap of radius 0.9 near in front of each axis direction: held where w >= near, which is everywhere but next
+    /// to the rim.
+    #[test]
+    fn casters_nearer_than_the_clip_distance_are_left_out() {
+        let near = 1.0;
+        let view = View {
+            near,
+            ..view(DVec3::ZERO, DQuat::IDENTITY)
+        };
+        let size = DVec3::splat(0.8);
+        let reference = Reference::new(&box_triangles(-size, size), None, DVec3::ZERO);
+        let map = ideal_map(&reference, &view, GEOMETRY);
+        let mut clipped = 0;
+        for (index, &depth) in map.depths.iter().enumerate() {
+            let (_, i, j) = GEOMETRY.texel_at(index);
+            let p = GEOMETRY.centre(i, j);
+            if !GEOMETRY.in_disc(p) {
+                continue;
+            }
+            let d = paraboloid::unproject(p);
+            let w = 0.8 / d.abs().max_element() * (1.0 + d.z);
+            assert_eq!(depth > 0.0, w >= near, "{p} {w}");
+            clipped += usize::from(w < near);
+        }
+        assert!(clipped > 100);
+    }
+
+    /// A floor seen from a hand's breadth to grazing: no texel of it may shadow it, in any orientation, without a bias
+    /// beyond rounding.
+    #[test]
+    fn a_plane_does_not_shadow_itself() {
+        let mut random = Pcg64::seed_from_u64(3);
+        for _ in 0..20 {
+            let turn = DQuat::from_scaled_axis(random_vector(&mut random) * 3.0);
+            let view = view(DVec3::ZERO, turn);
+            let floor = sheet(DVec3::new(-1e3, -1.0, -1e3), DVec3::X * 2e3, DVec3::Z * 2e3);
+            let reference = Reference::new(&floor, None, DVec3::ZERO);
+            let map = ideal_map(&reference, &view, GEOMETRY);
+            let lookup = Lookup {
+                view,
+                geometry: GEOMETRY,
+                bias: 1e-6,
+            };
+            for _ in 0..2000 {
+                let mut d = random_direction(&mut random);
+                d.y = -d.y.abs() - 0.1;
+                let normal = DVec3::Y * random.random_range(0.1..10.0) * if random.random() { 1.0 } else { -1.0 };
+                let value = lookup.shadow(|texel| map.depths[texel], d / -d.y, normal);
+                assert!((value - 1.0).abs() < 1e-12, "{d} {value}");
+            }
+        }
+    }
+
+    /// What stands before the receiver's plane by more than the bias shadows it, and what stands less far doesn't.
+    #[test]
+    fn bias_is_in_texel_footprints_along_the_ray() {
+        let geometry = MapGeometry {
+            resolution: 64,
+            guard: 0.0,
+        };
+        let lookup = Lookup {
+            view: view(DVec3::ZERO, DQuat::IDENTITY),
+            geometry,
+            bias: 0.5,
+        };
+        let mut random = Pcg64::seed_from_u64(4);
+        for _ in 0..1000 {
+            let d = random_direction(&mut random);
+            let normal = d;
+            let p = paraboloid::project(if d.z < 0.0 { DVec3::new(-d.x, d.y, -d.z) } else { d });
+            let footprint = 4.0 / 64.0 / (1.0 + p.length_squared());
+            let stored = |gap: f64| {
+                move |texel: usize| {
+                    let (_, i, j) = geometry.texel_at(texel);
+                    let q = paraboloid::unproject(geometry.centre(i, j));
+                    let in_map = if d.z < 0.0 { DVec3::new(-d.x, d.y, -d.z) } else { d };
+                    let t = (1.0 - gap * footprint) / q.dot(in_map);
+                    paraboloid::depth(q * t, 0.01)
+                }
+            };
+            assert_eq!(lookup.shadow(stored(0.51), d, normal), 0.0, "{d}");
+            assert!((lookup.shadow(stored(0.49), d, normal) - 1.0).abs() < 1e-12, "{d}");
+        }
+    }
+
+    /// With one texel of the four dark, the answer falls by that texel's bilinear weight.
+    #[test]
+    fn weights_are_bilinear() {
+        let lookup = Lookup {
+            view: view(DVec3::ZERO, DQuat::IDENTITY),
+            geometry: GEOMETRY,
+            bias: 0.1,
+        };
+        let (i, j) = (40, 70);
+        let dark = GEOMETRY.index(false, i, j);
+        let stored = |texel| if texel == dark { 1.0 } else { 0.0 };
+        for (x, y) in [
+            (0.0, 0.0),
+            (0.25, 0.5),
+            (-0.75, 0.1),
+            (0.9, -0.9),
+            (-0.3, -0.4),
+            (1.1, 0.0),
+        ] {
+            let p = GEOMETRY.centre(i, j) + DVec2::new(x, y) * GEOMETRY.texel();
+            let d = paraboloid::unproject(p) * 3.0;
+            let expected = 1.0 - f64::max(0.0, 1.0 - f64::abs(x)) * f64::max(0.0, 1.0 - f64::abs(y));
+            let value = lookup.shadow(stored, d, d);
+            assert!((value - expected).abs() < 1e-9, "{x} {y}: {value} {expected}");
+        }
+    }
 }

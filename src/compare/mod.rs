@@ -1,11 +1,18 @@
 //! What the library is held against: a ray-cast reference, error figures, scenes. Feature `compare`.
+//!
+//! [`reference`](mod@reference) is the truth by ray casting, [`ideal`] the map and the lookup as they would be if the
+//! resolution were the only source of error, [`error_figures`] says how far from both an answer is, and [`measure`]
+//! puts them together.
 
 pub mod error_figures;
 mod fill;
 pub mod gpu;
 pub mod ideal;
+pub mod measure;
 pub mod procedural;
 pub mod reference;
 pub mod scene;
+#[cfg(test)]
+mod test_shapes;
 
 pub use fill::fill;

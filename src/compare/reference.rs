@@ -437,3 +437,285 @@ fn pack(tree: &[BvhNode<f64, 3>], casters: &[u32]) -> (Vec<Node>, usize) {
     }
     (nodes, levels.iter().max().map_or(0, |&level| level as usize))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::test_shapes::{box_triangles, random_direction, random_vector};
+    use rand::{Rng, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    /// Triangles of all sizes around the light; every tenth has no area.
+    fn soup(random: &mut Pcg64, count: usize) -> Vec<[DVec3; 3]> {
+        (0..count)
+            .map(|i| {
+                let size = 10.0_f64.powf(random.random_range(-2.0..1.0));
+                let a = random_vector(random) * 5.0;
+                let b = a + random_vector(random) * size;
+                let c = match i % 20 {
+                    0 => a,
+                    10 => a + (b - a) * 2.0,
+                    _ => a + random_vector(random) * size,
+                };
+                [a, b, c]
+            })
+            .collect()
+    }
+
+    fn nearest_by_brute_force(reference: &Reference, direction: DVec3, t_min: f64) -> Option<Hit> {
+        let hits = (0..)
+            .zip(reference.triangles())
+            .filter(|(_, corners)| casts(corners, Sides::Both));
+        hits.filter_map(|(triangle, corners)| {
+            Some(Hit {
+                t: intersect(corners, direction)?,
+                triangle,
+            })
+        })
+        .filter(|hit| hit.t >= t_min)
+        .min_by(|one, other| one.t.total_cmp(&other.t))
+    }
+
+    #[test]
+    fn nearest_is_that_of_brute_force() {
+        let mut random = Pcg64::seed_from_u64(1);
+        for count in [0, 1, 2, 3, 30, 3000] {
+            let reference = Reference::new(&soup(&mut random, count), None, DVec3::new(0.3, -0.2, 0.1));
+            for _ in 0..1000 {
+                let (direction, t_min) = (random_direction(&mut random), random.random_range(-2.0..2.0));
+                let expected = nearest_by_brute_force(&reference, direction, t_min);
+                assert_eq!(
+                    reference.nearest(direction, t_min),
+                    expected,
+                    "{count} {direction} {t_min}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn occluded_is_that_of_brute_force() {
+        let mut random = Pcg64::seed_from_u64(2);
+        let reference = Reference::new(&soup(&mut random, 300), None, DVec3::ZERO);
+        let mut dark = 0;
+        for _ in 0..10_000 {
+            let target = random_vector(&mut random) * 5.0;
+            let (direction, distance) = (target / target.length(), target.length());
+            let first = nearest_by_brute_force(&reference, direction, 0.1).filter(|hit| hit.t < distance);
+            assert_eq!(reference.occluded(target, None, 0.1, 0.0), first.is_some(), "{target}");
+            let Some(first) = first else { continue };
+            let second =
+                nearest_by_brute_force(&reference, direction, first.t.next_up()).filter(|hit| hit.t < distance);
+            assert_eq!(
+                reference.occluded(target, Some(first.triangle), 0.1, 0.0),
+                second.is_some(),
+                "{target}"
+            );
+            dark += 1;
+        }
+        assert!((1000..9000).contains(&dark), "{dark}");
+    }
+
+    /// Points are put into a triangle's plane by weights of its corners: those say whether the ray must hit.
+    #[test]
+    fn intersection_is_where_the_point_was_put() {
+        let mut random = Pcg64::seed_from_u64(3);
+        let mut hits = 0;
+        // Those with no area but what rounding gives them are left out.
+        for corners in soup(&mut random, 100_000)
+            .iter()
+            .filter(|corners| normal(corners).length() > 1e-9)
+        {
+            let weights = [random.random_range(-0.5..1.5), random.random_range(-0.5..1.5)];
+            let inside = weights[0] > 0.0 && weights[1] > 0.0 && weights[0] + weights[1] < 1.0;
+            let [a, b, c] = *corners;
+            let point = a + (b - a) * weights[0] + (c - a) * weights[1];
+            let t = intersect(corners, point.normalize());
+            assert_eq!(t.is_some(), inside, "{corners:?} {weights:?}");
+            if let Some(t) = t {
+                let slope = (normal(corners).normalize().dot(point.normalize())).abs();
+                assert!(
+                    (t - point.length()).abs() < 1e-13 * (1.0 + a.length()) / slope,
+                    "{t} {}",
+                    point.length()
+                );
+                hits += 1;
+            }
+        }
+        assert!(hits > 10_000);
+    }
+
+    /// Rays through every corner, through points of every edge and straight along the axes, of closed boxes around the
+    /// light: all must hit.
+    #[test]
+    fn no_ray_slips_through_an_edge_or_a_corner() {
+        let mut random = Pcg64::seed_from_u64(4);
+        for _ in 0..2000 {
+            let turn = DQuat::from_scaled_axis(random_vector(&mut random) * 3.0);
+            let size = DVec3::from_array(std::array::from_fn(|_| 10.0_f64.powf(random.random_range(-2.0..2.0))));
+            let light = random_vector(&mut random) * size * 0.9;
+            let triangles: Vec<_> = box_triangles(-size, size)
+                .iter()
+                .map(|t| t.map(|corner| turn * corner))
+                .collect();
+            let reference = Reference::new(&triangles, None, turn * light);
+            for corners in reference.triangles() {
+                for i in 0..3 {
+                    let share = random.random_range(0.0..1.0);
+                    for point in [corners[i], corners[i].lerp(corners[(i + 1) % 3], share)] {
+                        let hit = reference.nearest(point.normalize(), 0.0);
+                        let t = hit.expect("a closed box was left").t;
+                        assert!(
+                            (t - point.length()).abs() < 1e-6 * point.length(),
+                            "{t} {}",
+                            point.length()
+                        );
+                    }
+                }
+            }
+            for axis in DVec3::AXES {
+                assert!(reference.nearest(axis, 0.0).is_some() && reference.nearest(-axis, 0.0).is_some());
+            }
+        }
+    }
+
+    #[test]
+    fn coordinates_far_from_the_origin_cost_nothing() {
+        let offset = DVec3::new(1e5, -3e5, 2e5);
+        let mut random = Pcg64::seed_from_u64(5);
+        let triangles = soup(&mut random, 300);
+        // Rounded, so that moving them is exact.
+        let round = |p: DVec3| (p * 1024.0).round() / 1024.0;
+        let near: Vec<_> = triangles.iter().map(|t| t.map(round)).collect();
+        let far: Vec<_> = near.iter().map(|t| t.map(|corner| corner + offset)).collect();
+        let (near, far) = (
+            Reference::new(&near, None, DVec3::ZERO),
+            Reference::new(&far, None, offset),
+        );
+        for _ in 0..1000 {
+            let direction = random_direction(&mut random);
+            assert_eq!(near.nearest(direction, 0.0), far.nearest(direction, 0.0));
+        }
+    }
+
+    #[test]
+    fn single_sided_triangles_cast_only_with_their_front() {
+        let facing = [
+            DVec3::new(-1.0, -1.0, -2.0),
+            DVec3::new(1.0, -1.0, -2.0),
+            DVec3::new(0.0, 1.0, -2.0),
+        ];
+        let turned_away = [facing[0], facing[2], facing[1]];
+        let hits = |triangle, sides| {
+            Reference::new(&[triangle], Some(&[sides]), DVec3::ZERO)
+                .nearest(DVec3::NEG_Z, 0.0)
+                .is_some()
+        };
+        assert!(hits(facing, Sides::Front) && hits(facing, Sides::Both) && hits(turned_away, Sides::Both));
+        assert!(!hits(turned_away, Sides::Front));
+    }
+
+    #[test]
+    fn a_surface_that_the_target_lies_on_does_not_occlude_it() {
+        let wall = |z: f64| {
+            [
+                DVec3::new(-1.0, -1.0, z),
+                DVec3::new(1.0, -1.0, z),
+                DVec3::new(0.0, 1.0, z),
+            ]
+        };
+        let reference = Reference::new(&[wall(-2.0), wall(-2.0 + 1e-4)], None, DVec3::ZERO);
+        let target = DVec3::new(0.1, 0.1, -2.0);
+        assert!(
+            reference.occluded(target, Some(0), 0.0, 0.9e-4),
+            "a gap wider than the slack"
+        );
+        assert!(
+            !reference.occluded(target, Some(0), 0.0, 1.1e-4),
+            "a gap narrower than the slack"
+        );
+        assert!(
+            !reference.occluded(target, Some(1), 0.0, 1e-12),
+            "its own triangle's twin at the same place"
+        );
+    }
+
+    /// Deep trees: triangles along a line whose sizes and places shrink by halves.
+    #[test]
+    fn a_lopsided_tree_is_walked_to_its_end() {
+        let triangles: Vec<[DVec3; 3]> = (0..400)
+            .map(|i| {
+                let z = 0.9_f64.powi(i);
+                [DVec3::new(-z, -z, z), DVec3::new(z, -z, z), DVec3::new(0.0, z, z)]
+            })
+            .collect();
+        let reference = Reference::new(&triangles, None, DVec3::ZERO);
+        assert_eq!(reference.nearest(DVec3::Z, 0.0).map(|hit| hit.triangle), Some(399));
+        assert_eq!(reference.nearest(DVec3::Z, 0.5).map(|hit| hit.triangle), Some(6));
+    }
+
+    #[test]
+    #[ignore = "a measurement: prints rays a second"]
+    fn speed() {
+        let segments = 700;
+        let mut triangles = Vec::new();
+        let mut random = Pcg64::seed_from_u64(6);
+        for _ in 0..8 {
+            let centre = random_direction(&mut random) * random.random_range(2.0..6.0);
+            let radius = random.random_range(0.3..1.5);
+            let bumpy = |i: usize, j: usize| {
+                let (u, v) = (i as f64 / segments as f64, j as f64 / segments as f64);
+                let (polar, turn) = (u * std::f64::consts::PI, v * std::f64::consts::TAU);
+                let bump = 1.0 + 0.1 * (20.0 * polar).sin() * (20.0 * turn).sin();
+                let d = DVec3::new(polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin());
+                centre + d * radius * bump
+            };
+            for i in 0..segments {
+                for j in 0..segments {
+                    let corners = [bumpy(i, j), bumpy(i + 1, j), bumpy(i + 1, j + 1), bumpy(i, j + 1)];
+                    triangles.push([corners[0], corners[1], corners[2]]);
+                    triangles.push([corners[0], corners[2], corners[3]]);
+                }
+            }
+        }
+        triangles.extend(box_triangles(DVec3::splat(-8.0), DVec3::splat(8.0)));
+        for count in [200_000, triangles.len()] {
+            let step = triangles.len() / count;
+            let scene: Vec<_> = triangles.iter().rev().step_by(step).copied().collect();
+            let start = std::time::Instant::now();
+            let reference = Reference::new(&scene, None, DVec3::ZERO);
+            let built = start.elapsed().as_secs_f64();
+            let view = View {
+                position: DVec3::ZERO,
+                orientation: DQuat::IDENTITY,
+                near: 0.01,
+                range: f64::INFINITY,
+            };
+            let geometry = crate::compare::ideal::MapGeometry {
+                resolution: 1024,
+                guard: 0.02,
+            };
+            let start = std::time::Instant::now();
+            let map = crate::compare::ideal::ideal_map(&reference, &view, geometry);
+            let cast = start.elapsed().as_secs_f64();
+            let rays = map.depths.len() as f64 * std::f64::consts::FRAC_PI_4;
+            let triangles = scene.len();
+            let random: Vec<DVec3> = {
+                let mut random = Pcg64::seed_from_u64(7);
+                (0..1_000_000).map(|_| random_direction(&mut random) * 7.0).collect()
+            };
+            let start = std::time::Instant::now();
+            let dark = random
+                .par_iter()
+                .filter(|&&target| reference.occluded(target, None, 0.01, 0.0))
+                .count();
+            let segment_rate = random.len() as f64 / start.elapsed().as_secs_f64();
+            println!(
+                "{triangles} triangles, depth {}: built in {built:.2} s, {:.2} M map rays/s, {:.2} M segments/s ({dark})",
+                reference.depth,
+                rays / cast * 1e-6,
+                segment_rate * 1e-6
+            );
+        }
+    }
+}

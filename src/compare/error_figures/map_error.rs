@@ -276,3 +276,179 @@ impl SilhouetteSearch<'_> {
         height > SURFACE_TOLERANCE * ray.texel_angle * hit.t
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::ideal::ideal_map;
+    use crate::compare::test_shapes::{box_triangles, sheet};
+    use glam::DQuat;
+
+    /// A plate in front of one wall of a room that is open upward.
+    struct Scene {
+        reference: Reference,
+        view: View,
+        ideal: IdealMap,
+        stored: Vec<f32>,
+    }
+
+    const GEOMETRY: MapGeometry = MapGeometry {
+        resolution: 128,
+        guard: 0.05,
+    };
+
+    fn scene(range: f64) -> Scene {
+        let mut triangles = box_triangles(DVec3::splat(-3.0), DVec3::splat(3.0));
+        triangles.retain(|t| !t.iter().all(|corner| corner.y == 3.0));
+        triangles.extend(sheet(DVec3::new(-0.5, -0.5, 1.5), DVec3::X, DVec3::Y));
+        let orientation = DQuat::from_rotation_x(0.3) * DQuat::from_rotation_y(0.2);
+        let view = View {
+            position: DVec3::ZERO,
+            orientation,
+            near: 0.05,
+            range,
+        };
+        let reference = Reference::new(&triangles, None, view.position);
+        let ideal = ideal_map(&reference, &view, GEOMETRY);
+        let stored = ideal.depths.iter().map(|&depth| depth as f32).collect();
+        Scene {
+            reference,
+            view,
+            ideal,
+            stored,
+        }
+    }
+
+    impl Scene {
+        fn error(&self) -> MapError {
+            map_error(&self.stored, &self.ideal, &self.reference, &self.view)
+        }
+
+        /// The texel whose centre is nearest to a direction of the world.
+        fn texel(&self, direction: DVec3) -> usize {
+            let (x, back) = self.view.to_hemisphere(direction);
+            let at = GEOMETRY.position(paraboloid::project(x));
+            GEOMETRY.index(back, at.x as u32, at.y as u32)
+        }
+    }
+
+    #[test]
+    fn the_ideal_map_has_no_error_but_rounding() {
+        let error = scene(f64::INFINITY).error();
+        let disc = std::f64::consts::PI * (64.0_f64 - 1.0).powi(2) * 2.0;
+        assert!((error.texels as f64 / disc - 1.0).abs() < 0.005, "{error:?}");
+        assert_eq!(
+            (error.wrong_surface_ppm, error.holes, error.phantoms, error.strays),
+            (0.0, 0, 0, 0)
+        );
+        assert!(error.depth_error_max > 0.0 && error.depth_error_max < 6e-8, "{error:?}");
+    }
+
+    #[test]
+    fn holes_phantoms_and_wrong_surfaces_are_told_apart() {
+        let mut scene = scene(f64::INFINITY);
+        let [wall, sky, floor] = [DVec3::NEG_Z, DVec3::Y, DVec3::NEG_Y].map(|direction| scene.texel(direction));
+        scene.stored[wall] = 0.0;
+        scene.stored[sky] = 0.01;
+        scene.stored[floor] *= 1.2;
+        let error = scene.error();
+        assert_eq!((error.holes, error.phantoms), (1, 1));
+        assert!(
+            (error.wrong_surface_ppm * error.texels as f64 - 1e6).abs() < 1e-3,
+            "{error:?}"
+        );
+        assert_eq!((error.strays, error.silhouette_distance_max), (3, f64::INFINITY));
+    }
+
+    #[test]
+    fn a_depth_error_within_the_tolerance_is_a_depth_error() {
+        let mut scene = scene(f64::INFINITY);
+        let floor = scene.texel(DVec3::NEG_Y);
+        let (_, i, j) = GEOMETRY.texel_at(floor);
+        let footprint = paraboloid::texel_angle(GEOMETRY.centre(i, j), GEOMETRY.texel());
+        let exact = scene.stored[floor];
+        for (footprints, right) in [(0.9, true), (-0.9, true), (1.1, false), (-1.1, false)] {
+            // The floor is met at right angles, so its distance is the one along its normal.
+            scene.stored[floor] = (f64::from(exact) / (1.0 - footprints * footprint)) as f32;
+            let error = scene.error();
+            assert_eq!(error.wrong_surface_ppm == 0.0, right, "{footprints}");
+            if right {
+                let expected = (1.0 / (1.0 - footprints * footprint) - 1.0).abs();
+                assert!((error.depth_error_max - expected).abs() < 1e-6, "{error:?} {expected}");
+                assert!(error.depth_error_p99 < 1e-7);
+            }
+        }
+    }
+
+    /// The plate, moved sideways by 0.8 texels: wrong texels along its outline only, and none stray.
+    #[test]
+    fn wrong_surfaces_at_a_silhouette_are_near_it() {
+        let mut scene = scene(f64::INFINITY);
+        let turn = DQuat::from_rotation_y(0.8 * paraboloid::texel_angle(DVec2::ZERO, GEOMETRY.texel()));
+        let moved = View {
+            orientation: turn * scene.view.orientation,
+            ..scene.view
+        };
+        for (stored, depth) in scene
+            .stored
+            .iter_mut()
+            .zip(ideal_map(&scene.reference, &moved, GEOMETRY).depths)
+        {
+            *stored = depth as f32;
+        }
+        let plate = |index: usize| scene.ideal.triangles[index] >= 10 && scene.ideal.triangles[index] != NO_TRIANGLE;
+        let verdicts = judge_texels(&scene.stored, &scene.ideal, &scene.reference, &scene.view);
+        let wrong = (0..verdicts.len())
+            .filter(|&i| verdicts[i] == TexelVerdict::WrongSurface)
+            .count();
+        let outline = (0..verdicts.len()).filter(|&i| plate(i)).count() as f64;
+        assert!(wrong as f64 > outline.sqrt(), "{wrong} {outline}");
+        let error = scene.error();
+        assert_eq!(error.strays, 0, "{error:?}");
+        assert!(
+            error.silhouette_distance_max > 0.5 && error.silhouette_distance_max <= 1.0,
+            "{error:?}"
+        );
+    }
+
+    #[test]
+    fn what_is_out_of_range_may_be_in_the_map_or_not() {
+        let mut scene = scene(3.5);
+        let whole = scene.error();
+        let (corner, wall) = (scene.texel(DVec3::new(1.0, -1.0, 1.0)), scene.texel(DVec3::NEG_Z));
+        assert!(
+            whole.texels < scene_texels() && whole.wrong_surface_ppm == 0.0,
+            "{whole:?}"
+        );
+        scene.stored[corner] = 0.0;
+        assert_eq!(scene.error(), whole);
+        scene.stored[corner] = 1.0;
+        assert_eq!(scene.error().phantoms, whole.phantoms + 1);
+        scene.stored[wall] = 0.0;
+        assert_eq!(scene.error().holes, whole.holes + 1);
+    }
+
+    fn scene_texels() -> usize {
+        scene(f64::INFINITY).error().texels
+    }
+
+    #[test]
+    fn quantiles_are_by_nearest_rank() {
+        let sorted: Vec<f64> = (1..=200).map(f64::from).collect();
+        assert_eq!(
+            [0.5, 0.99, 1.0].map(|share| quantile(&sorted, share)),
+            [100.0, 198.0, 200.0]
+        );
+        assert_eq!(quantile(&[], 0.5), 0.0);
+        assert_eq!(quantile(&[3.0], 0.99), 3.0);
+    }
+
+    #[test]
+    fn keys_are_those_of_the_report() {
+        let json = serde_json::to_value(MapError::default()).expect("plain numbers");
+        let mut keys: Vec<_> = json.as_object().expect("a struct").keys().collect();
+        keys.sort();
+        let expected = "depth_error_max depth_error_median depth_error_p99 holes phantoms texels wrong_surface_ppm";
+        assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
+    }
+}

@@ -254,3 +254,161 @@ fn distance_to_segment(a: DVec3, b: DVec3) -> f64 {
     let share = (-a.dot(along) / along.length_squared()).clamp(0.0, 1.0);
     (a + along * share).length()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::test_shapes::{box_triangles, random_vector, sheet};
+    use glam::DQuat;
+    use rand::SeedableRng;
+
+    fn view(position: DVec3) -> View {
+        View {
+            position,
+            orientation: DQuat::from_rotation_x(0.7),
+            near: 0.01,
+            range: f64::INFINITY,
+        }
+    }
+
+    /// Chi-square of counts in bins that should be equally full.
+    fn chi_square(values: impl Iterator<Item = f64>, bins: usize) -> f64 {
+        let mut counts = vec![0_usize; bins];
+        for value in values {
+            counts[((value * bins as f64) as usize).min(bins - 1)] += 1;
+        }
+        let expected = counts.iter().sum::<usize>() as f64 / bins as f64;
+        counts
+            .iter()
+            .map(|&count| (count as f64 - expected).powi(2) / expected)
+            .sum()
+    }
+
+    /// Over a plane at height h the weight within a radius r is pi ln(1 + r^2/h^2), all around alike. Two triangles
+    /// make the floor, ten thousand times as wide as the light is high; a ceiling twice as far gets its share.
+    #[test]
+    fn density_is_area_over_distance_squared() {
+        let light = DVec3::new(3.0, 1.0, -2.0);
+        let view = view(light);
+        let mut scene = sheet(DVec3::new(-1e4, 0.0, -1e4), DVec3::X * 2e4, DVec3::Z * 2e4);
+        scene.extend(sheet(DVec3::new(-1e4, 3.0, -1e4), DVec3::X * 2e4, DVec3::Z * 2e4));
+        let reference = Reference::new(&scene, None, light);
+        let receivers = sample_receivers(&reference, &view, 100_000, 7);
+        assert_eq!(receivers.len(), 100_000);
+        let reach = 30.0;
+        let weight = |r: f64, h: f64| (1.0 + (r / h).powi(2)).ln();
+        let within = |h: f64, floor: bool| {
+            let relative: Vec<DVec3> = receivers
+                .iter()
+                .filter(|receiver| (receiver.triangle < 2) == floor)
+                .map(|receiver| receiver.relative(light))
+                .filter(|x| x.x.hypot(x.z) < reach)
+                .collect();
+            let radii = relative.iter().map(|x| weight(x.x.hypot(x.z), h) / weight(reach, h));
+            // The 99.99th percentile of chi-square with 19 degrees of freedom is 50.8.
+            assert!(chi_square(radii, 20) < 51.0);
+            let turns = relative.iter().map(|x| 0.5 + x.z.atan2(x.x) / std::f64::consts::TAU);
+            assert!(chi_square(turns, 20) < 51.0);
+            relative.len() as f64
+        };
+        let share = within(1.0, true) / within(2.0, false);
+        let expected = weight(reach, 1.0) / weight(reach, 2.0);
+        assert!((share / expected - 1.0).abs() < 0.03, "{share} {expected}");
+    }
+
+    #[test]
+    fn receivers_lie_where_they_may() {
+        let light = DVec3::new(1e3, 2e3, -5e2);
+        let view = View {
+            near: 0.5,
+            range: 3.0,
+            ..view(light)
+        };
+        let mut random = Pcg64::new(1, 1);
+        let mut scene: Vec<_> = (0..500)
+            .map(|_| [(); 3].map(|()| light + random_vector(&mut random) * 4.0))
+            .collect();
+        scene.push([light; 3]);
+        scene.extend(sheet(light, DVec3::X, DVec3::Y));
+        let reference = Reference::new(&scene, None, light);
+        let receivers = sample_receivers(&reference, &view, 20_000, 3);
+        assert_eq!(receivers.len(), 20_000);
+        for receiver in &receivers {
+            let relative = receiver.relative(light);
+            let (x, _) = view.to_hemisphere(relative);
+            assert!(paraboloid::homogeneous_w(x) >= 0.5 && x.length() <= 3.0);
+            let cosine = reference.normal(receiver.triangle).dot(relative.normalize());
+            assert!(cosine.abs() > 0.0199);
+            assert!(reference.height(relative, receiver.triangle).abs() <= receiver.rounding + 1e-12);
+            assert!(receiver.rounding < 2e-4);
+        }
+    }
+
+    #[test]
+    fn the_same_seed_draws_the_same_receivers() {
+        let reference = Reference::new(&box_triangles(DVec3::NEG_ONE, DVec3::ONE), None, DVec3::ZERO);
+        let draw = |seed| sample_receivers(&reference, &view(DVec3::ZERO), 100, seed);
+        assert_eq!(draw(1), draw(1));
+        assert_ne!(draw(1), draw(2));
+    }
+
+    #[test]
+    fn a_scene_without_surfaces_to_light_has_no_receivers() {
+        let edge_on = [DVec3::X, DVec3::X * 2.0, DVec3::new(1.0, 0.0, 1.0)];
+        for scene in [vec![], vec![edge_on], vec![[DVec3::X; 3]]] {
+            let reference = Reference::new(&scene, None, DVec3::ZERO);
+            assert!(sample_receivers(&reference, &view(DVec3::ZERO), 10, 1).is_empty());
+        }
+    }
+
+    /// A square over a floor: dark is what lies in its central projection.
+    #[test]
+    fn truth_is_the_projected_shadow() {
+        for offset in [DVec3::ZERO, DVec3::new(1e5, 2e4, -3e4)] {
+            let light = offset + DVec3::Y;
+            let view = view(light);
+            let mut scene = sheet(offset + DVec3::new(-8.0, -1.0, -8.0), DVec3::X * 16.0, DVec3::Z * 16.0);
+            scene.extend(sheet(offset + DVec3::new(-0.5, 0.0, -0.5), DVec3::X, DVec3::Z));
+            let reference = Reference::new(&scene, None, light);
+            let receivers = sample_receivers(&reference, &view, 20_000, 5);
+            let lit = truth(&receivers, &reference, &view);
+            let mut dark = 0;
+            for (receiver, lit) in receivers.iter().zip(lit) {
+                let x = receiver.relative(light);
+                let distance = x.x.abs().max(x.z.abs()) - 1.0;
+                if receiver.triangle >= 2 {
+                    assert!(lit, "{x}");
+                } else if distance.abs() > 0.02 {
+                    assert_eq!(lit, distance > 0.0, "{x}");
+                    dark += usize::from(!lit);
+                }
+            }
+            assert!(dark > 500);
+        }
+    }
+
+    #[test]
+    fn distance_to_a_triangle_is_that_of_its_nearest_point() {
+        let mut random = Pcg64::seed_from_u64(8);
+        for _ in 0..200 {
+            let corners = [(); 3].map(|()| random_vector(&mut random) * 3.0 + DVec3::splat(0.5));
+            let steps = 100;
+            let mut nearest = f64::INFINITY;
+            for i in 0..=steps {
+                for j in 0..=steps - i {
+                    let point = interpolate(
+                        &corners,
+                        f64::from(i) / f64::from(steps),
+                        f64::from(j) / f64::from(steps),
+                    );
+                    nearest = nearest.min(point.length());
+                }
+            }
+            let distance = distance_to_triangle(&corners);
+            assert!(
+                distance <= nearest + 1e-12 && nearest < distance + 0.1,
+                "{distance} {nearest}"
+            );
+        }
+    }
+}

@@ -95,9 +95,14 @@ pub fn shadow_error(
 ///
 /// The receiver's plane is what counts, continued beyond its triangle: the lookup compares with that plane, and a
 /// crease is where the surface leaves it. Rays of the light, in a disc of directions around the receiver, meet the plane
-/// at points of their own. For a receiver in the dark there is a boundary if one of these points is truly visible. For
-/// a lit one there is, if at one of them another surface stands in front of the plane by more than [`CREASE_DEPTH`]
-/// footprints, be it an occluder or the neighbouring face of a concave crease. A convex crease alone is no excuse.
+/// at points of their own; the *gap* there is how far in front of the plane the nearest caster stands, along the ray.
+///
+/// - For a lit receiver there is a boundary where a gap is more than [`CREASE_DEPTH`] footprints: an occluder's edge, or
+///   the neighbouring face of a concave crease. A convex crease alone is no excuse.
+/// - For a dark one there is a boundary where the plane's point is truly visible, or the gap is both less than
+///   [`CREASE_DEPTH`] footprints and less than half of that at the receiver: the light reaches a neighbouring face that
+///   leaves the plane a little. A sheet that stands before the receiver at an even gap, however thin, makes none: to
+///   leak there is a far error.
 ///
 /// The rays are a sample of the disc: they may miss a boundary, which makes a figure of far errors too high, and never
 /// find one that isn't there.
@@ -109,22 +114,90 @@ pub fn near_boundary(
     view: &View,
     geometry: &MapGeometry,
 ) -> bool {
-    let plane = Plane::new(receiver, reference, view);
-    let boundary_at = |q: DVec2| {
-        let d = paraboloid::unproject(q);
-        let Some(t) = plane.distance_along(d).filter(|&t| t >= view.clip_distance(d)) else {
-            return false;
+    let search = BoundarySearch::new(receiver, lit, reference, view, geometry);
+    let p = search.plane.p;
+    nearby_texel_centres(p, geometry)
+        .chain(nearby_rings(p, geometry))
+        .any(|q| search.is_other_side(q))
+}
+
+struct BoundarySearch<'a> {
+    receiver: &'a Receiver,
+    lit: bool,
+    reference: &'a Reference,
+    view: &'a View,
+    texel: f64,
+    plane: Plane,
+    /// Half of the gap in front of the receiver itself, relative to its distance; infinite if nothing stands there.
+    half_gap: f64,
+}
+
+impl<'a> BoundarySearch<'a> {
+    fn new(
+        receiver: &'a Receiver,
+        lit: bool,
+        reference: &'a Reference,
+        view: &'a View,
+        geometry: &MapGeometry,
+    ) -> Self {
+        let plane = Plane::new(receiver, reference, view);
+        let mut search = Self {
+            receiver,
+            lit,
+            reference,
+            view,
+            texel: geometry.texel(),
+            plane,
+            half_gap: f64::INFINITY,
         };
-        let direction = view.to_world(d, plane.back);
-        if !lit {
-            let slack = receiver.slack(view.position);
-            return !reference.occluded(direction * t, Some(receiver.triangle), view.clip_distance(d), slack);
+        search.half_gap = search
+            .relative_gap(search.plane.p)
+            .map_or(f64::INFINITY, |gap| 0.5 * gap);
+        search
+    }
+
+    /// The ray at map coordinates `q`: its direction in world axes, and where it meets the plane, if the map holds that.
+    fn meets_plane(&self, q: DVec2) -> Option<(DVec3, f64)> {
+        let d = paraboloid::unproject(q);
+        let t = self.plane.distance_along(d).filter(|&t| t >= self.clip_distance(q))?;
+        Some((self.view.to_world(d, self.plane.back), t))
+    }
+
+    fn clip_distance(&self, q: DVec2) -> f64 {
+        self.view.clip_distance(paraboloid::unproject(q))
+    }
+
+    /// The gap at map coordinates `q`, relative to the plane's distance there; zero if nothing stands before the plane.
+    fn relative_gap(&self, q: DVec2) -> Option<f64> {
+        let (direction, t) = self.meets_plane(q)?;
+        let hit = self.reference.nearest(direction, self.clip_distance(q));
+        let hit = hit.filter(|hit| hit.triangle != self.receiver.triangle);
+        Some(hit.map_or(0.0, |hit| (1.0 - hit.t / t).max(0.0)))
+    }
+
+    /// Whether the plane's point at `q` is dark for a lit receiver, or lit for a dark one.
+    fn is_other_side(&self, q: DVec2) -> bool {
+        let Some(gap) = self.relative_gap(q) else { return false };
+        let crease = CREASE_DEPTH * paraboloid::texel_angle(q, self.texel);
+        if self.lit {
+            gap > crease
+        } else {
+            gap < crease.min(self.half_gap) || self.is_visible(q)
         }
-        let crease = CREASE_DEPTH * paraboloid::texel_angle(q, geometry.texel());
-        let front = reference.nearest(direction, view.clip_distance(d));
-        front.is_some_and(|hit| hit.triangle != receiver.triangle && hit.t < t * (1.0 - crease))
-    };
-    nearby_texel_centres(plane.p, geometry).any(boundary_at) || nearby_rings(plane.p, geometry).any(boundary_at)
+    }
+
+    /// Whether the light reaches the plane's point at `q`, but for surfaces that it lies on.
+    fn is_visible(&self, q: DVec2) -> bool {
+        let slack = self.receiver.slack(self.view.position);
+        self.meets_plane(q).is_some_and(|(direction, t)| {
+            !self.reference.occluded(
+                direction * t,
+                Some(self.receiver.triangle),
+                self.clip_distance(q),
+                slack,
+            )
+        })
+    }
 }
 
 /// A receiver's plane in the space of its hemisphere.
@@ -176,4 +249,228 @@ fn nearby_rings(p: DVec2, geometry: &MapGeometry) -> impl Iterator<Item = DVec2>
         let radius = reach * ring as f64 / RINGS as f64;
         (0..rays).map(move |ray| p + DVec2::from_angle(TAU * ray as f64 / rays as f64) * radius)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::error_figures::{ideal_shadows, sample_receivers, truth};
+    use crate::compare::ideal::{Lookup, ideal_map};
+    use crate::compare::test_shapes::{box_triangles, random_vector, sheet};
+    use glam::{DQuat, Vec3};
+    use rand::{Rng, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    const GEOMETRY: MapGeometry = MapGeometry {
+        resolution: 256,
+        guard: 0.05,
+    };
+
+    fn view(orientation: DQuat) -> View {
+        View {
+            position: DVec3::ZERO,
+            orientation,
+            near: 0.01,
+            range: f64::INFINITY,
+        }
+    }
+
+    fn receiver(reference: &Reference, triangle: u32, position: DVec3) -> Receiver {
+        let rounded = position.as_vec3();
+        let normal: Vec3 = reference.normal(triangle).as_vec3();
+        Receiver {
+            position: rounded,
+            normal,
+            triangle,
+            rounding: rounded.as_dvec3().distance(position),
+        }
+    }
+
+    #[test]
+    fn counts_are_of_all_samples() {
+        let reference = Reference::new(&box_triangles(DVec3::NEG_ONE, DVec3::ONE), None, DVec3::ZERO);
+        let view = view(DQuat::IDENTITY);
+        let receivers = sample_receivers(&reference, &view, 1000, 1);
+        let lit: Vec<bool> = (0..1000).map(|i| i % 4 != 0).collect();
+        let mut values: Vec<f32> = lit.iter().map(|&lit| if lit { 0.5 } else { 0.49 }).collect();
+        let none = shadow_error(&receivers, &lit, &values, &reference, &view, &GEOMETRY);
+        let expected = ShadowError {
+            samples: 1000,
+            lit_fraction: 0.75,
+            ..ShadowError::default()
+        };
+        assert_eq!(none, expected);
+        values[0] = 0.5;
+        values[4] = 1.0;
+        values[5] = 0.49;
+        let some = shadow_error(&receivers, &lit, &values, &reference, &view, &GEOMETRY);
+        assert_eq!(
+            (some.wrong_ppm, some.leak_ppm, some.false_shadow_ppm),
+            (3000.0, 2000.0, 1000.0)
+        );
+    }
+
+    /// The shadow of a plate on a floor, at receivers all over the floor: a boundary is near where the outline's
+    /// projection is.
+    #[test]
+    fn boundaries_are_found_where_they_are() {
+        let mut scene = sheet(DVec3::new(-30.0, -2.0, -30.0), DVec3::X * 60.0, DVec3::Z * 60.0);
+        scene.extend(sheet(
+            DVec3::new(-0.4, -1.0, -0.3),
+            DVec3::X * 0.9,
+            DVec3::new(0.2, 0.1, 0.8),
+        ));
+        let reference = Reference::new(&scene, None, DVec3::ZERO);
+        let view = view(DQuat::from_rotation_z(0.4) * DQuat::from_rotation_x(0.9));
+        let [a, b, c] = reference.triangles()[2];
+        let outline = [a, b, c, reference.triangles()[3][2]];
+        let mut near_ones = [0, 0];
+        for receiver in sample_receivers(&reference, &view, 20_000, 2)
+            .iter()
+            .filter(|r| r.triangle < 2)
+        {
+            let (x, back) = view.to_hemisphere(receiver.relative(DVec3::ZERO));
+            let p = paraboloid::project(x);
+            let distance = (0..4000)
+                .map(|i| outline[i / 1000].lerp(outline[(i / 1000 + 1) % 4], f64::from(i as u32 % 1000) * 1e-3))
+                .map(|point| paraboloid::project(paraboloid::to_hemisphere(view.orientation.inverse() * point, back)))
+                .map(|q| p.distance(q) / GEOMETRY.texel())
+                .fold(f64::INFINITY, f64::min);
+            let lit = truth(&[*receiver], &reference, &view)[0];
+            if (distance - FAR_TEXELS).abs() > 0.06 {
+                let near = near_boundary(receiver, lit, &reference, &view, &GEOMETRY);
+                assert_eq!(near, distance < FAR_TEXELS, "{lit} {distance} {p}");
+                near_ones[usize::from(lit)] += usize::from(near);
+            }
+        }
+        assert!(near_ones.iter().all(|&count| count > 20), "{near_ones:?}");
+    }
+
+    /// In a lit room, a wall's receivers have a crease near them next to the corner, and none elsewhere; outside of a
+    /// box, its convex edges are none.
+    #[test]
+    fn concave_creases_count_and_convex_ones_do_not() {
+        let room = Reference::new(&box_triangles(DVec3::splat(-2.0), DVec3::splat(2.0)), None, DVec3::ZERO);
+        let view = view(DQuat::from_rotation_x(0.5));
+        let near = |reference: &Reference, triangle, position| {
+            near_boundary(
+                &receiver(reference, triangle, position),
+                true,
+                reference,
+                &view,
+                &GEOMETRY,
+            )
+        };
+        let floor = (0..12)
+            .find(|&t| room.triangles()[t as usize].iter().all(|c| c.y == -2.0))
+            .expect("a floor");
+        assert!(!near(&room, floor, DVec3::new(0.3, -2.0, 0.2)));
+        assert!(!near(&room, floor, DVec3::new(1.8, -2.0, 0.2)));
+        assert!(near(&room, floor, DVec3::new(1.99, -2.0, 0.2)));
+        let below = DVec3::new(0.0, -3.0, 0.0);
+        let block = Reference::new(&box_triangles(below - 0.5, below + 0.5), None, DVec3::ZERO);
+        let lid = (0..12)
+            .find(|&t| block.triangles()[t as usize].iter().all(|c| c.y == -2.5))
+            .expect("a lid");
+        assert!(!near(&block, lid, DVec3::new(0.499, -2.5, 0.1)));
+    }
+
+    /// Sheets a hair apart: a leak in the lower one is far from any boundary, and is said to be.
+    #[test]
+    fn a_leak_through_a_thin_gap_is_far() {
+        let floor = |y: f64| sheet(DVec3::new(-5.0, y, -5.0), DVec3::X * 10.0, DVec3::Z * 10.0);
+        let reference = Reference::new(&[floor(-2.0), floor(-2.0 - 1e-4)].concat(), None, DVec3::ZERO);
+        let view = view(DQuat::IDENTITY);
+        let receivers = [receiver(&reference, 2, DVec3::new(0.3, -2.0 - 1e-4, 0.1))];
+        let lit = truth(&receivers, &reference, &view);
+        assert_eq!(lit, [false]);
+        let error = shadow_error(&receivers, &lit, &[1.0], &reference, &view, &GEOMETRY);
+        assert_eq!((error.leak_ppm, error.far_wrong_ppm), (1e6, 1e6));
+    }
+
+    /// A plate's edge right above a concave crease of one degree: one face all dark, the other all lit. A dark receiver
+    /// close to the crease is close to the boundary, although the lit face hides the plane of its own.
+    #[test]
+    fn a_boundary_on_the_neighbouring_face_counts() {
+        let floor = sheet(DVec3::new(0.0, -2.0, -5.0), DVec3::X * 5.0, DVec3::Z * 10.0);
+        let rising = sheet(
+            DVec3::new(0.0, -2.0, -5.0),
+            DVec3::new(-5.0, 5.0 * 0.0175, 0.0),
+            DVec3::Z * 10.0,
+        );
+        let plate = sheet(DVec3::new(0.0, -1.0, -5.0), DVec3::X * 5.0, DVec3::Z * 10.0);
+        let reference = Reference::new(&[floor, rising, plate].concat(), None, DVec3::ZERO);
+        let view = view(DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2));
+        let texel = 2.0 * paraboloid::texel_angle(DVec2::ZERO, GEOMETRY.texel());
+        for (texels, near) in [(1.0, true), (2.0, false)] {
+            let receiver = receiver(&reference, 0, DVec3::new(texels * texel, -2.0, 0.1));
+            assert_eq!(truth(&[receiver], &reference, &view), [false]);
+            assert_eq!(
+                near_boundary(&receiver, false, &reference, &view, &GEOMETRY),
+                near,
+                "{texels}"
+            );
+        }
+    }
+
+    /// The twin of the lookup on a ray-cast map of a room with boxes, in random orientations: wrong next to boundaries
+    /// only, the less the finer the map, and without any bias in many more places.
+    #[test]
+    fn the_ideal_is_wrong_next_to_boundaries_only() {
+        let mut random = Pcg64::seed_from_u64(9);
+        let mut scene = box_triangles(DVec3::splat(-4.0), DVec3::splat(4.0));
+        for _ in 0..20 {
+            let turn = DQuat::from_scaled_axis(random_vector(&mut random) * 3.0);
+            let size = DVec3::from_array(std::array::from_fn(|_| random.random_range(0.05..0.5)));
+            let mut at = random_vector(&mut random) * 3.5;
+            if at.length() < 1.2 {
+                at = at.normalize() * 1.2;
+            }
+            scene.extend(
+                box_triangles(-size, size)
+                    .iter()
+                    .map(|t| t.map(|corner| at + turn * corner)),
+            );
+        }
+        let reference = Reference::new(&scene, None, DVec3::ZERO);
+        for _ in 0..3 {
+            let view = view(DQuat::from_scaled_axis(random_vector(&mut random) * 3.0));
+            let receivers = sample_receivers(&reference, &view, 50_000, 11);
+            let lit = truth(&receivers, &reference, &view);
+            let error_at = |resolution, bias| {
+                let geometry = MapGeometry {
+                    resolution,
+                    guard: 0.05,
+                };
+                let map = ideal_map(&reference, &view, geometry);
+                let values = ideal_shadows(&receivers, &map, &Lookup { view, geometry, bias });
+                shadow_error(&receivers, &lit, &values, &reference, &view, &geometry)
+            };
+            let (coarse, fine) = (error_at(128, 0.35), error_at(512, 0.35));
+            assert_eq!(
+                (coarse.far_wrong_ppm, fine.far_wrong_ppm),
+                (0.0, 0.0),
+                "{coarse:?} {fine:?}"
+            );
+            assert!(
+                fine.wrong_ppm > 0.0 && fine.wrong_ppm < 0.4 * coarse.wrong_ppm,
+                "{coarse:?} {fine:?}"
+            );
+            assert!(
+                coarse.wrong_ppm < 30_000.0 && (0.2..0.9).contains(&coarse.lit_fraction),
+                "{coarse:?}"
+            );
+            let acne = error_at(128, -0.5);
+            assert!(acne.far_wrong_ppm > 100_000.0, "{acne:?}");
+        }
+    }
+
+    #[test]
+    fn keys_are_those_of_the_report() {
+        let json = serde_json::to_value(ShadowReport::default()).expect("plain numbers");
+        let mut keys: Vec<_> = json.as_object().expect("a struct").keys().collect();
+        keys.sort();
+        let expected = "false_shadow_ppm far_wrong_ppm ideal_wrong_ppm leak_ppm lit_fraction samples wrong_ppm";
+        assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
+    }
 }

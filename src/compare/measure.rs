@@ -1,0 +1,168 @@
+//! Figures of one scene, light and method, for people and for machines.
+
+use super::error_figures::{MapError, ShadowError, ShadowReport, map_error, shadow_error};
+use super::error_figures::{Receiver, ideal_shadows, sample_receivers, truth};
+use super::fill;
+use super::gpu::Gpu;
+use super::ideal::{BIAS, IdealMap, Lookup, MapGeometry, ideal_map};
+use super::reference::{Reference, View};
+use super::scene::Scene;
+use crate::{Casters, Error, LightId, PointLight, PointShadows, PointShadowsDescriptor, Sides};
+use glam::Vec3;
+
+/// The truth of a scene and a light: what every method and resolution is judged by.
+pub struct Truth {
+    /// The light in double precision.
+    pub view: View,
+    /// The scene's triangles, for rays.
+    pub reference: Reference,
+    /// Where shadows are asked for.
+    pub receivers: Vec<Receiver>,
+    /// Whether the light reaches each receiver.
+    pub lit: Vec<bool>,
+}
+
+impl Truth {
+    /// Casts the rays: `samples` receivers drawn with `seed`.
+    #[must_use]
+    pub fn new(scene: &Scene, light: &PointLight, samples: usize, seed: u64) -> Self {
+        let view = View {
+            position: light.position.as_dvec3(),
+            orientation: light.orientation.as_dquat(),
+            near: f64::from(light.near),
+            range: f64::from(light.range),
+        };
+        let reference = Reference::new(&scene.world_triangles().corners, None, view.position);
+        let receivers = sample_receivers(&reference, &view, samples, seed);
+        let lit = truth(&receivers, &reference, &view);
+        Self {
+            view,
+            reference,
+            receivers,
+            lit,
+        }
+    }
+
+    /// Positions and normals of the receivers, as a shader takes them.
+    #[must_use]
+    pub fn inputs(&self) -> Vec<(Vec3, Vec3)> {
+        self.receivers
+            .iter()
+            .map(|receiver| (receiver.position, receiver.normal))
+            .collect()
+    }
+
+    /// Error figures of answers from a map of this geometry.
+    #[must_use]
+    pub fn judge(&self, values: &[f32], geometry: &MapGeometry) -> ShadowError {
+        shadow_error(
+            &self.receivers,
+            &self.lit,
+            values,
+            &self.reference,
+            &self.view,
+            geometry,
+        )
+    }
+
+    /// The ray-cast map, and the error figures of the double precision lookup on it.
+    #[must_use]
+    pub fn ideal(&self, geometry: MapGeometry) -> (IdealMap, ShadowError) {
+        let map = ideal_map(&self.reference, &self.view, geometry);
+        let lookup = Lookup {
+            view: self.view,
+            geometry,
+            bias: BIAS,
+        };
+        let values = ideal_shadows(&self.receivers, &map, &lookup);
+        let error = self.judge(&values, &geometry);
+        (map, error)
+    }
+}
+
+/// A light's maps of a scene, made by the library.
+pub struct Made {
+    /// The casters; both sides cast.
+    pub casters: Casters,
+    /// The maps, recorded.
+    pub shadows: PointShadows,
+    /// The light.
+    pub light: LightId,
+}
+
+impl Made {
+    /// Fills the casters and records the light's maps.
+    ///
+    /// # Errors
+    /// Whatever the library returns.
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        light: PointLight,
+        descriptor: &PointShadowsDescriptor,
+    ) -> Result<Self, Error> {
+        let mut casters = Casters::new(&gpu.device);
+        fill(&mut casters, scene, Sides::Auto)?;
+        let mut shadows = PointShadows::new(&gpu.device, descriptor)?;
+        let light = shadows.add(light)?;
+        gpu.submit(|encoder| {
+            shadows.record(&gpu.device, &gpu.queue, encoder, &mut casters);
+        });
+        Ok(Self {
+            casters,
+            shadows,
+            light,
+        })
+    }
+
+    /// Size of the maps.
+    #[must_use]
+    pub fn geometry(&self) -> MapGeometry {
+        MapGeometry {
+            resolution: self.shadows.maps().height(),
+            guard: f64::from(self.shadows.half_width()) - 1.0,
+        }
+    }
+
+    /// The maps' and the lookup's error, and the floor at this resolution.
+    #[must_use]
+    pub fn figures(&self, gpu: &Gpu, truth: &Truth) -> Figures {
+        let geometry = self.geometry();
+        let (ideal, ideal_error) = truth.ideal(geometry);
+        let stored = gpu.read_map(&self.shadows, self.light);
+        let values = gpu.shadow_values(&self.shadows, self.light, &truth.inputs());
+        Figures {
+            map: map_error(&stored, &ideal, &truth.reference, &truth.view),
+            shadow: ShadowReport {
+                error: truth.judge(&values, &geometry),
+                ideal_wrong_ppm: ideal_error.wrong_ppm,
+            },
+            ideal: ideal_error,
+        }
+    }
+}
+
+/// What a method's errors are.
+#[derive(Debug, Clone, Copy)]
+pub struct Figures {
+    /// Of the map's texels.
+    pub map: MapError,
+    /// Of the lookup's answers.
+    pub shadow: ShadowReport,
+    /// Of the ray-cast map's answers: all its figures.
+    pub ideal: ShadowError,
+}
+
+/// A light that suits a scene: its range reaches everything, and near is 1e-5 of that.
+#[must_use]
+pub fn light_for(scene: &Scene, position: Vec3) -> PointLight {
+    let (low, high) = scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ONE));
+    let farthest = (low - position).abs().max((high - position).abs()).length();
+    let range = 1.01 * farthest.max(1e-6);
+    PointLight {
+        position,
+        range,
+        near: range * 1e-5,
+        ..Default::default()
+    }
+}
