@@ -13,16 +13,22 @@ struct DpLight {
     position: vec3<f32>,
     // Bit 0 the front hemisphere, bit 1 the back; 0 for no light.
     hemispheres: u32,
+    // Largest bend of a chord, in texels.
+    tolerance: f32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(DP_GROUP) @binding(0) var dp_maps: texture_depth_2d_array;
 @group(DP_GROUP) @binding(1) var dp_sampler: sampler;
 @group(DP_GROUP) @binding(2) var<storage, read> dp_lights: array<DpLight>;
 
-// How far the reference is moved toward the light, in texel footprints. It covers what the receiver's plane
-// doesn't: curvature finer than a texel, the split's tolerance, the rasteriser's snapping. Less shows acne on
-// curved surfaces, more lets light in under contacts.
-const DP_BIAS: f32 = 0.35;
+// How far the reference is moved toward the light, in texel footprints along the ray. It covers what the
+// receiver's plane doesn't: curvature finer than a texel and the rasteriser's snapping. Less shows acne on curved
+// surfaces, more lets light in under contacts. On top comes the tolerance along the receiver's normal, by which
+// the depth that the hardware interpolates over a chord may be off.
+const DP_BIAS: f32 = 0.2;
 // Bounds of the plane's depth at a texel against the depth at the receiver: a plane seen nearly edge-on would
 // otherwise reach from the light to infinity within a texel.
 const DP_SLOPE_LOW: f32 = 0.25;
@@ -78,7 +84,9 @@ fn dp_reference(light: u32, receiver: DpReceiver, p: vec2<f32>) -> f32 {
     let there = dot(receiver.normal, dp_unproject_scaled(p));
     // Without a plane (no normal, or the light in it) the receiver's own depth has to do.
     let slope = select(1.0, clamp(there / here, DP_SLOPE_LOW, DP_SLOPE_HIGH), abs(here) > 0.0);
-    let bias = DP_BIAS * dp_texel_angle(receiver.map, 1.0 / dp_lights[light].texels);
+    let incidence = abs(here) / (length(receiver.normal) * length(dp_unproject_scaled(receiver.map)));
+    let footprints = DP_BIAS + dp_lights[light].tolerance / max(incidence, 1e-3);
+    let bias = footprints * dp_texel_angle(receiver.map, 1.0 / dp_lights[light].texels);
     return dp_depth(receiver.position, dp_lights[light].near) * slope / (1.0 - min(bias, 0.5));
 }
 

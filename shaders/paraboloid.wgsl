@@ -5,8 +5,6 @@
 const DP_BEHIND: f32 = -0.5;
 // sin^2 of half the widest angle (16 degrees) that an unsplit edge may span.
 const DP_EDGE_SINE_SQUARED: f32 = 0.01937;
-// Largest error of interpolated depth over an unsplit edge, in texel footprints along the normal.
-const DP_DEPTH_TOLERANCE: f32 = 0.5;
 
 fn dp_to_hemisphere(light_space: vec3<f32>, back: bool) -> vec3<f32> {
     return select(light_space, vec3<f32>(-light_space.x, light_space.y, -light_space.z), back);
@@ -76,18 +74,8 @@ fn dp_sagitta(chord: f32, curvature: f32) -> f32 {
 fn dp_edge_needs_split(a: vec2<f32>, b: vec2<f32>, texels: f32, tolerance: f32) -> bool {
     let d = b - a;
     let chord_squared = dot(d, d);
-    let bend = 0.125 * chord_squared * texels;
-    if bend > DP_DEPTH_TOLERANCE {
-        return true;
-    }
-    if chord_squared > DP_EDGE_SINE_SQUARED * (1.0 + dot(a, a)) * (1.0 + dot(b, b)) {
-        return true;
-    }
-    // The sagitta is at most twice its small-angle form, and the curvature at most 1.
-    if 2.0 * bend <= tolerance {
-        return false;
-    }
-    return dp_sagitta(sqrt(chord_squared), dp_edge_curvature(a, b)) * texels > tolerance;
+    return 0.125 * chord_squared * texels > tolerance
+        || chord_squared > DP_EDGE_SINE_SQUARED * (1.0 + dot(a, a)) * (1.0 + dot(b, b));
 }
 
 fn dp_bisect(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {

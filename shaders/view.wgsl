@@ -10,7 +10,7 @@ struct View {
     // Texels per unit of map coordinates.
     texels: f32,
     position: vec3<f32>,
-    // Largest sagitta of a chord, in texels.
+    // Largest bend of a chord, in texels.
     tolerance: f32,
     // Texels across one map.
     resolution: f32,

@@ -18,6 +18,8 @@ struct LightRecord {
     texels: f32,
     position: Vec3,
     hemispheres: u32,
+    tolerance: f32,
+    padding: [u32; 3],
 }
 
 #[derive(Debug)]
@@ -78,6 +80,8 @@ impl Lookup {
                 texels: shape.texels(),
                 position: light.position,
                 hemispheres: hemispheres(light.coverage),
+                tolerance: shape.tolerance,
+                padding: [0; 3],
             }
         });
         queue.write_buffer(

@@ -28,10 +28,6 @@ macro_rules! mapping {
         /// (16 degrees): keeps triangles around the axis behind the hemisphere out of the map.
         pub const EDGE_SINE_SQUARED: $float = 0.01937;
 
-        /// Largest error that the interpolated depth may have over an unsplit edge, in texel footprints
-        /// measured along the surface's normal.
-        pub const DEPTH_TOLERANCE: $float = 0.5;
-
         /// Light space to hemisphere space and back: the identity for the front, half a turn about Y for
         /// the back.
         #[must_use]
@@ -166,8 +162,12 @@ macro_rules! mapping {
         }
 
         /// Whether the edge between two map coordinates has to be split before the hardware may draw its
-        /// chord: its sagitta is above `tolerance` texels, the depth interpolated along it may be off by
-        /// more than [`DEPTH_TOLERANCE`] footprints, or it spans more than 16 degrees.
+        /// chord: its *bend* `c^2/8` is above `tolerance` texels, or it spans more than 16 degrees.
+        ///
+        /// The bend bounds two errors at once. A chord misses its arc by at most the bend ([`sagitta`]), and
+        /// depth that is interpolated over a triangle of such edges is off its plane by at most 4/3 of it in
+        /// texel footprints along the normal, since `1/w` interpolated less `1/w` exact is
+        /// `N.z/(2 D) (|p|^2 - sum b_i |p_i|^2)`.
         ///
         /// `texels` is the number of texels per unit of map coordinates, `R / (2 (1 + g))`. Only the two
         /// ends count, and their order doesn't, so triangles that share an edge agree.
@@ -175,23 +175,12 @@ macro_rules! mapping {
         pub fn edge_needs_split(a: $vec2, b: $vec2, texels: $float, tolerance: $float) -> bool {
             let d = b - a;
             let chord_squared = d.dot(d);
-            let bend = 0.125 * chord_squared * texels;
-            if bend > DEPTH_TOLERANCE {
-                return true;
-            }
-            if chord_squared > EDGE_SINE_SQUARED * (1.0 + a.dot(a)) * (1.0 + b.dot(b)) {
-                return true;
-            }
-            // The sagitta is at most twice its small-angle form, and the curvature at most 1.
-            if 2.0 * bend <= tolerance {
-                return false;
-            }
-            sagitta(chord_squared.sqrt(), edge_curvature(a, b)) * texels > tolerance
+            0.125 * chord_squared * texels > tolerance
+                || chord_squared > EDGE_SINE_SQUARED * (1.0 + a.dot(a)) * (1.0 + b.dot(b))
         }
 
-        /// The angle, in radians, that an edge may span anywhere in the disc and in any direction without
-        /// its chord missing its arc by more than `tolerance` texels; `texels` as for [`edge_needs_split`].
-        /// An underestimate: the bound is for the rim and for the largest curvature.
+        /// The angle, in radians, that an edge may span anywhere in the disc without being split for its
+        /// bend; `texels` and `tolerance` as for [`edge_needs_split`]. An underestimate except at the rim.
         #[must_use]
         pub fn angle_limit(texels: $float, tolerance: $float) -> $float {
             (8.0 * tolerance / texels).sqrt().min(2.0)

@@ -19,8 +19,8 @@ pub struct PointShadowsDescriptor {
     /// Texels across one hemisphere's map. A light takes `2 * resolution * resolution` texels of four bytes.
     /// For the texel count of a cube with faces of C texels across, take `sqrt(3) C`.
     pub resolution: u32,
-    /// How far a drawn edge may miss its true place in the map, in texels. Half of it means about 1.4 times as many
-    /// pieces of edges and twice as many of surfaces. In [0.01, 1].
+    /// How far a drawn edge may miss its true place in the map, in texels, and about how far a drawn surface its depth,
+    /// in texel footprints along its normal. Half of it means twice as many pieces of large triangles. In [0.01, 1].
     pub tolerance: f32,
     /// Width of the guard band around each hemisphere, in texels: lookups near the seam find all their texels in
     /// their own map. In [1, 16]; a sixteenth of the resolution at most is used.
@@ -28,7 +28,7 @@ pub struct PointShadowsDescriptor {
 }
 
 impl Default for PointShadowsDescriptor {
-    /// Four lights of 1024 texels across, to a quarter of a texel, with a guard band of four texels.
+    /// Four lights of 1024 texels across, to a twentieth of a texel, with a guard band of four texels.
     fn default() -> Self {
         Self {
             capacity: 4,
@@ -130,7 +130,7 @@ impl PointShadows {
             maps,
             layers,
             route: Route::new(device, reject),
-            split: Split::new(device, &shape, reject),
+            split: Split::new(device, reject),
             depth: Depth::new(device, capacity),
             views: job_buffer(device, "views", capacity, wgpu::BufferUsages::UNIFORM),
             arguments: argument_buffer(device, capacity),
@@ -230,7 +230,7 @@ impl PointShadows {
         casters: &Casters,
         stale: &[(u32, PointLight)],
     ) {
-        let replaced = self.route.fit(device, casters);
+        let replaced = self.route.fit(device, casters) | self.split.fit(device, &self.shape, self.route.capacity());
         let ranges = self.route.jobs(casters);
         self.write_jobs(device, queue, stale, &ranges);
         let key = (casters.owner(), casters.generation());
@@ -356,6 +356,12 @@ impl PointShadows {
     #[cfg(feature = "compare")]
     pub(crate) fn counters(&self) -> (&wgpu::Buffer, usize) {
         (&self.arguments, self.jobs)
+    }
+
+    /// How far a drawn edge or surface may be off, see [`PointShadowsDescriptor::tolerance`].
+    #[must_use]
+    pub fn tolerance(&self) -> f32 {
+        self.shape.tolerance
     }
 
     /// Bytes on the GPU: the maps, and the lists that the lights share.

@@ -18,7 +18,7 @@ pub(crate) struct Split {
 }
 
 impl Split {
-    pub(crate) fn new(device: &wgpu::Device, shape: &MapShape, reject: bool) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, reject: bool) -> Self {
         use Binding::{Counters, Read, Uniform, Write};
         let layout = gpu::layout(
             device,
@@ -29,15 +29,31 @@ impl Split {
         let module = gpu::shader(device, "split", crate::wgsl::split());
         let constants = [("REJECT", f64::from(u8::from(reject)))];
         let pipeline = gpu::compute_pipeline(device, "split", &module, Some(&layout), &constants);
-        let capacity = capacity(device, shape);
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
-        let pieces = gpu::buffer(device, "split::pieces", 2 * PIECE_SIZE * u64::from(capacity), usage);
         Self {
             pipeline,
             layout,
-            pieces,
-            capacity,
+            pieces: pieces(device, 1),
+            capacity: 1,
         }
+    }
+
+    /// Makes room for the pieces of `triangles`; returns whether the buffer was replaced.
+    ///
+    /// A surface that fills a hemisphere takes about `R / (2 tolerance)` pieces at the least, and two to three times
+    /// that as triangles come; the rest is for surfaces behind one another and for triangles of a few pieces each.
+    /// Triangles whose pieces find no room are drawn exactly.
+    pub(crate) fn fit(&mut self, device: &wgpu::Device, shape: &MapShape, triangles: u32) -> bool {
+        let surfaces = (16.0 * shape.resolution as f32 / shape.tolerance) as u64;
+        let few_each = u64::from(triangles / 2).min(1 << 19);
+        let limits = device.limits();
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / (2 * PIECE_SIZE);
+        let wanted = (surfaces + few_each).clamp(16_384, 1 << 22).min(limit) as u32;
+        if wanted <= self.capacity && wanted >= self.capacity / 4 {
+            return false;
+        }
+        self.capacity = wanted;
+        self.pieces = pieces(device, wanted);
+        true
     }
 
     pub(crate) fn pieces(&self) -> &wgpu::Buffer {
@@ -74,12 +90,7 @@ impl Split {
     }
 }
 
-/// Pieces per hemisphere. A surface that fills a hemisphere takes about `R / (2 tolerance)` of them at the least, and
-/// two to three times that as triangles come; the rest is for surfaces behind one another. Triangles whose pieces
-/// find no room are drawn exactly.
-fn capacity(device: &wgpu::Device, shape: &MapShape) -> u32 {
-    let wanted = 64.0 * shape.resolution as f32 / shape.tolerance.clamp(0.01, 1.0);
-    let limits = device.limits();
-    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / (2 * PIECE_SIZE);
-    (wanted as u64).clamp(16_384, 1 << 22).min(limit) as u32
+fn pieces(device: &wgpu::Device, capacity: u32) -> wgpu::Buffer {
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
+    gpu::buffer(device, "split::pieces", 2 * PIECE_SIZE * u64::from(capacity), usage)
 }

@@ -15,7 +15,7 @@ pub(crate) struct MapShape {
     pub(crate) resolution: u32,
     /// Half the map's width in map coordinates, `1 + g`.
     pub(crate) half_width: f32,
-    /// Largest sagitta of a chord, in texels.
+    /// Largest bend of a chord, in texels.
     pub(crate) tolerance: f32,
 }
 

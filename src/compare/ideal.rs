@@ -122,10 +122,13 @@ pub struct Lookup {
     /// Depth bias k: how far the receiver is moved toward the light, in texel footprints at the receiver. Too little
     /// shows as acne on curved casters, too much as peter-panning. The library's is [`BIAS`].
     pub bias: f64,
+    /// How far depth may be off along a surface's normal, in texel footprints: the pair's tolerance. The bias along the
+    /// receiver's normal.
+    pub tolerance: f64,
 }
 
 /// The library's depth bias, `DP_BIAS`.
-pub const BIAS: f64 = 0.35;
+pub const BIAS: f64 = 0.2;
 
 /// Bounds of the ratio between the depths of the receiver's plane at a texel centre and at the receiver, against
 /// planes that are seen edge-on: `DP_SLOPE_LOW` and `DP_SLOPE_HIGH`.
@@ -176,7 +179,9 @@ impl Lookup {
         } else {
             (there / here).clamp(SLOPE.0, SLOPE.1)
         };
-        let bias = self.bias * paraboloid::texel_angle(receiver.map, self.geometry.texel());
+        let incidence = here.abs() / (receiver.normal.length() * paraboloid::unproject_scaled(receiver.map).length());
+        let bias = (self.bias + self.tolerance / incidence.max(1e-3))
+            * paraboloid::texel_angle(receiver.map, self.geometry.texel());
         paraboloid::depth(receiver.position, self.view.near) * slope / (1.0 - bias.min(0.5))
     }
 
@@ -314,6 +319,7 @@ mod tests {
                 view,
                 geometry: GEOMETRY,
                 bias: 1e-6,
+                tolerance: 0.0,
             };
             for _ in 0..2000 {
                 let mut d = random_direction(&mut random);
@@ -336,6 +342,7 @@ mod tests {
             view: view(DVec3::ZERO, DQuat::IDENTITY),
             geometry,
             bias: 0.5,
+            tolerance: 0.0,
         };
         let mut random = Pcg64::seed_from_u64(4);
         for _ in 0..1000 {
@@ -364,6 +371,7 @@ mod tests {
             view: view(DVec3::ZERO, DQuat::IDENTITY),
             geometry: GEOMETRY,
             bias: 0.1,
+            tolerance: 0.0,
         };
         let (i, j) = (40, 70);
         let dark = GEOMETRY.index(false, i, j);

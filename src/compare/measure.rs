@@ -65,14 +65,16 @@ impl Truth {
         )
     }
 
-    /// The ray-cast map, and the error figures of the double precision lookup on it.
+    /// The ray-cast map, and the error figures of the double precision lookup on it, with the bias
+    /// of a pair of this tolerance.
     #[must_use]
-    pub fn ideal(&self, geometry: MapGeometry) -> (IdealMap, ShadowError) {
+    pub fn ideal(&self, geometry: MapGeometry, tolerance: f64) -> (IdealMap, ShadowError) {
         let map = ideal_map(&self.reference, &self.view, geometry);
         let lookup = Lookup {
             view: self.view,
             geometry,
             bias: BIAS,
+            tolerance,
         };
         let values = ideal_shadows(&self.receivers, &map, &lookup);
         let error = self.judge(&values, &geometry);
@@ -128,7 +130,7 @@ impl Made {
     #[must_use]
     pub fn figures(&self, gpu: &Gpu, truth: &Truth) -> Figures {
         let geometry = self.geometry();
-        let (ideal, ideal_error) = truth.ideal(geometry);
+        let (ideal, ideal_error) = truth.ideal(geometry, f64::from(self.shadows.tolerance()));
         let stored = gpu.read_map(&self.shadows, self.light);
         let values = gpu.shadow_values(&self.shadows, self.light, &truth.inputs());
         Figures {

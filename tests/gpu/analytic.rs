@@ -6,6 +6,9 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 
 const RESOLUTIONS: [u32; 6] = [64, 128, 256, 512, 1024, 2048];
 
+/// What an edge may miss its place by, in texels, and a surface its depth, in footprints along its normal.
+const TOLERANCE: f64 = 0.05 * (1.0 + 4.0 / 3.0);
+
 /// Direction of a texel in world space.
 fn direction(texel: &Texel, light: &PointLight) -> DVec3 {
     let x = double::to_hemisphere(double::unproject(texel.p.as_dvec2()), texel.back);
@@ -26,8 +29,8 @@ fn assert_surface(map: &Map, light: &PointLight, surface: impl Fn(DVec3) -> (f64
         let d = direction(&texel, light);
         let footprint = double::texel_angle(texel.p.as_dvec2(), f64::from(map.texel()));
         let (expected, cosine) = surface(d);
-        // An edge may miss its place by a quarter of a texel, and a surface by two thirds of a footprint.
-        let allowed = 1e-5 + footprint * (0.25 + 2.0 / 3.0) / cosine.max(footprint);
+        // Both errors of the split, and half a step of the rasteriser's grid.
+        let allowed = 1e-5 + footprint * (TOLERANCE + 0.5 / 256.0) / cosine.max(footprint);
         let error = (distance(&texel, light) - expected).abs() / expected;
         worst = worst.max(error / allowed);
         assert!(
@@ -132,7 +135,7 @@ fn above_a_plane() {
                     assert_eq!(texel.depth, 0.0, "{texel:?} is above the horizon");
                 } else if d.y < -0.01 - 2.0 * footprint {
                     let (expected, distance) = (2.0 / -d.y, distance(&texel, &light));
-                    let allowed = 1e-5 + footprint * (0.25 + 2.0 / 3.0) / -d.y;
+                    let allowed = 1e-5 + footprint * (TOLERANCE + 0.5 / 256.0) / -d.y;
                     let error = (distance - expected).abs() / expected;
                     assert!(error < allowed, "{texel:?}: off by {error}, {allowed} allowed");
                 }

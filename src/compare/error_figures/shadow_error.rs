@@ -443,7 +443,16 @@ mod tests {
                     guard: 0.05,
                 };
                 let map = ideal_map(&reference, &view, geometry);
-                let values = ideal_shadows(&receivers, &map, &Lookup { view, geometry, bias });
+                let values = ideal_shadows(
+                    &receivers,
+                    &map,
+                    &Lookup {
+                        view,
+                        geometry,
+                        bias,
+                        tolerance: 0.0,
+                    },
+                );
                 shadow_error(&receivers, &lit, &values, &reference, &view, &geometry)
             };
             let (coarse, fine) = (error_at(128, 0.35), error_at(512, 0.35));
