@@ -9,9 +9,9 @@ mod map_error;
 mod receivers;
 mod shadow_error;
 
-pub use map_error::{MapError, TexelVerdict, judge_texels, map_error};
+pub use map_error::{MapError, SURFACE_TOLERANCE, TexelVerdict, judge_texels, map_error};
 pub use receivers::{Receiver, ideal_shadows, sample_receivers, truth};
-pub use shadow_error::{ShadowError, ShadowReport, near_boundary, shadow_error};
+pub use shadow_error::{CREASE_DEPTH, FAR_TEXELS, ShadowError, ShadowReport, near_boundary, shadow_error};
 
 /// `count` out of `total` in parts per million; 0 of nothing is 0.
 fn per_million(count: usize, total: usize) -> f64 {

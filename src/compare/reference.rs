@@ -184,7 +184,7 @@ impl Reference {
     }
 
     /// Whether `target` counts as a point of a triangle that its ray enters `gap` world units before it.
-    fn lies_on(&self, target: DVec3, gap: f64, triangle: u32, slack: f64) -> bool {
+    pub(super) fn lies_on(&self, target: DVec3, gap: f64, triangle: u32, slack: f64) -> bool {
         gap <= 50.0 * slack && self.height(target, triangle).abs() <= slack
     }
 
