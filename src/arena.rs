@@ -25,15 +25,7 @@ impl Arena {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let buffer = create(device, what, u64::from(MINIMUM) * stride, usage);
-        Self {
-            what,
-            stride,
-            buffer,
-            usage,
-            limit,
-            generation: 0,
-            pending: Vec::new(),
-        }
+        Self { what, stride, buffer, usage, limit, generation: 0, pending: Vec::new() }
     }
 
     pub(crate) fn buffer(&self) -> &wgpu::Buffer {
@@ -53,11 +45,7 @@ impl Arena {
     pub(crate) fn check(&self, length: u64) -> Result<(), Error> {
         let needed = length * self.stride;
         if needed > self.limit {
-            return Err(Error::CastersTooLarge {
-                what: self.what,
-                needed,
-                limit: self.limit,
-            });
+            return Err(Error::CastersTooLarge { what: self.what, needed, limit: self.limit });
         }
         Ok(())
     }

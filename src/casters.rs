@@ -210,10 +210,8 @@ impl Casters {
         self.triangles.check(self.triangle_ranges.end_after(triangles))?;
         let first_position = self.position_ranges.allocate(positions);
         let first_triangle = self.triangle_ranges.allocate(triangles);
-        self.local_positions
-            .write(first_position, bytemuck::cast_slice(&cut.positions));
-        self.triangles
-            .write(first_triangle, bytemuck::cast_slice(&cut.triangles));
+        self.local_positions.write(first_position, bytemuck::cast_slice(&cut.positions));
+        self.triangles.write(first_triangle, bytemuck::cast_slice(&cut.triangles));
         let mesh = Mesh {
             first_position,
             position_count: positions,
@@ -233,9 +231,7 @@ impl Casters {
     pub fn remove_mesh(&mut self, id: MeshId) -> Result<(), Error> {
         let mesh = self.meshes.get_mut(id.0)?;
         if mesh.instances > 0 {
-            return Err(Error::MeshInUse {
-                instances: mesh.instances,
-            });
+            return Err(Error::MeshInUse { instances: mesh.instances });
         }
         self.position_ranges.release(mesh.first_position, mesh.position_count);
         self.triangle_ranges.release(mesh.first_triangle, mesh.triangle_count);
@@ -253,35 +249,21 @@ impl Casters {
         let entry = self.meshes.get_mut(mesh.0)?;
         let bounds = transformed(&entry.bounds, &transform)?;
         let chunk_count = entry.chunks.len() as u32;
-        self.positions
-            .check(self.vertex_ranges.end_after(entry.position_count))?;
+        self.positions.check(self.vertex_ranges.end_after(entry.position_count))?;
         self.chunk_bounds.check(self.chunk_ranges.end_after(chunk_count))?;
         entry.instances += 1;
         let first_vertex = self.vertex_ranges.allocate(entry.position_count);
         let first_chunk = self.chunk_ranges.allocate(chunk_count);
         self.triangle_count += u64::from(entry.triangle_count);
-        let instance = Instance {
-            mesh: mesh.0,
-            first_vertex,
-            first_chunk,
-            bounds,
-            moved: true,
-        };
+        let instance = Instance { mesh: mesh.0, first_vertex, first_chunk, bounds, moved: true };
         let handle = self.instances.insert(instance);
         let entry = self.meshes.get_mut(mesh.0)?;
-        let sources: Vec<ChunkSource> = entry
-            .chunks
-            .iter()
-            .map(|chunk| chunk_source(entry, chunk, first_vertex, handle.slot))
-            .collect();
+        let sources: Vec<ChunkSource> =
+            entry.chunks.iter().map(|chunk| chunk_source(entry, chunk, first_vertex, handle.slot)).collect();
         self.chunk_sources.write(first_chunk, bytemuck::cast_slice(&sources));
-        self.transforms
-            .write(handle.slot, bytemuck::cast_slice(&rows(&transform)));
+        self.transforms.write(handle.slot, bytemuck::cast_slice(&rows(&transform)));
         self.moved.push(handle);
-        self.note(Change {
-            before: None,
-            after: Some(bounds),
-        });
+        self.note(Change { before: None, after: Some(bounds) });
         Ok(InstanceId(handle))
     }
 
@@ -297,12 +279,8 @@ impl Casters {
         if !std::mem::replace(&mut instance.moved, true) {
             self.moved.push(id.0);
         }
-        self.transforms
-            .write(id.0.slot, bytemuck::cast_slice(&rows(&transform)));
-        self.note(Change {
-            before: Some(before),
-            after: Some(bounds),
-        });
+        self.transforms.write(id.0.slot, bytemuck::cast_slice(&rows(&transform)));
+        self.note(Change { before: Some(before), after: Some(bounds) });
         Ok(())
     }
 
@@ -320,13 +298,9 @@ impl Casters {
         self.vertex_ranges.release(first_vertex, mesh.position_count);
         self.chunk_ranges.release(first_chunk, chunk_count);
         let none: ChunkSource = bytemuck::Zeroable::zeroed();
-        self.chunk_sources
-            .write(first_chunk, bytemuck::cast_slice(&vec![none; chunk_count as usize]));
+        self.chunk_sources.write(first_chunk, bytemuck::cast_slice(&vec![none; chunk_count as usize]));
         self.instances.remove(id.0)?;
-        self.note(Change {
-            before: Some(bounds),
-            after: None,
-        });
+        self.note(Change { before: Some(bounds), after: None });
         Ok(())
     }
 
@@ -377,13 +351,8 @@ impl Casters {
         self.transforms.update(device, queue, encoder, slots);
         let jobs = self.take_moved_chunks();
         if !jobs.is_empty() {
-            let arenas = [
-                &self.local_positions,
-                &self.positions,
-                &self.chunk_sources,
-                &self.chunk_bounds,
-                &self.transforms,
-            ];
+            let arenas =
+                [&self.local_positions, &self.positions, &self.chunk_sources, &self.chunk_bounds, &self.transforms];
             self.transform.record(device, encoder, arenas.map(Arena::buffer), &jobs);
         }
     }
@@ -416,18 +385,11 @@ fn validate(mesh: &CasterMesh) -> Result<(), Error> {
     for place in 0..indices {
         let index = mesh.indices.get(place);
         if index as usize >= positions {
-            return Err(Error::IndexOutOfRange {
-                index,
-                place,
-                positions,
-            });
+            return Err(Error::IndexOutOfRange { index, place, positions });
         }
     }
     match mesh.positions.iter().position(|p| !Vec3::from(*p).is_finite()) {
-        Some(vertex) => Err(Error::PositionNotFinite {
-            vertex,
-            value: mesh.positions[vertex],
-        }),
+        Some(vertex) => Err(Error::PositionNotFinite { vertex, value: mesh.positions[vertex] }),
         None => Ok(()),
     }
 }
@@ -438,14 +400,8 @@ fn chunk_source(mesh: &Mesh, chunk: &Chunk, first_vertex: u32, instance: u32) ->
         Culling::Closed => 1,
         Culling::Always => 2,
     };
-    let pieces = if chunk.culling == Culling::Closed {
-        chunk.pieces
-    } else {
-        Bounds {
-            min: Vec3::ZERO,
-            max: Vec3::ZERO,
-        }
-    };
+    let pieces =
+        if chunk.culling == Culling::Closed { chunk.pieces } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
     ChunkSource {
         local_vertex: mesh.first_position + chunk.first_vertex,
         vertex: first_vertex + chunk.first_vertex,
@@ -466,9 +422,7 @@ fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
 
 /// Bounds of a transformed box, a little wider than exact to cover rounding.
 fn transformed(bounds: &Bounds, transform: &Affine3A) -> Result<Bounds, Error> {
-    let error = || Error::TransformNotFinite {
-        value: format!("{:?}", rows(transform)),
-    };
+    let error = || Error::TransformNotFinite { value: format!("{:?}", rows(transform)) };
     if !transform.is_finite() {
         return Err(error());
     }
@@ -478,11 +432,7 @@ fn transformed(bounds: &Bounds, transform: &Affine3A) -> Result<Bounds, Error> {
     let mut result = Bounds::EMPTY;
     for corner in 0..8 {
         let pick = |axis: usize| {
-            if corner >> axis & 1 == 0 {
-                bounds.min[axis]
-            } else {
-                bounds.max[axis]
-            }
+            if corner >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] }
         };
         result.extend(transform.transform_point3(Vec3::new(pick(0), pick(1), pick(2))));
     }
@@ -490,8 +440,5 @@ fn transformed(bounds: &Bounds, transform: &Affine3A) -> Result<Bounds, Error> {
         return Err(error());
     }
     let slack = result.min.abs().max(result.max.abs()) * 1e-5;
-    Ok(Bounds {
-        min: result.min - slack,
-        max: result.max + slack,
-    })
+    Ok(Bounds { min: result.min - slack, max: result.max + slack })
 }

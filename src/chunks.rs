@@ -15,10 +15,7 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    pub(crate) const EMPTY: Self = Self {
-        min: Vec3::INFINITY,
-        max: Vec3::NEG_INFINITY,
-    };
+    pub(crate) const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     pub(crate) fn extend(&mut self, point: Vec3) {
         self.min = self.min.min(point);
@@ -26,10 +23,7 @@ impl Bounds {
     }
 
     pub(crate) fn union(self, other: Self) -> Self {
-        Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// Whether any point of the box is within `radius` of `centre`.
@@ -94,11 +88,7 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
             piece: 0,
         })
         .collect();
-    let pieces = if mesh.sides == Sides::Auto {
-        find_closed_pieces(&positions, &mut triangles)
-    } else {
-        Vec::new()
-    };
+    let pieces = if mesh.sides == Sides::Auto { find_closed_pieces(&positions, &mut triangles) } else { Vec::new() };
 
     let mut cutter = Cutter {
         positions: &positions,
@@ -107,12 +97,7 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
         local: vec![u32::MAX; positions.len()],
         first_chunk: vec![u32::MAX; positions.len()],
         welded: Vec::new(),
-        out: ChunkedMesh {
-            positions: Vec::new(),
-            triangles: Vec::new(),
-            chunks: Vec::new(),
-            bounds: Bounds::EMPTY,
-        },
+        out: ChunkedMesh { positions: Vec::new(), triangles: Vec::new(), chunks: Vec::new(), bounds: Bounds::EMPTY },
     };
     let split = closed_first(&mut triangles);
     let (closed, open) = triangles.split_at_mut(split);
@@ -134,11 +119,7 @@ fn closed_first(triangles: &mut [Triangle]) -> usize {
 /// Positions without repetition, and the triangles of some area by them.
 fn weld(mesh: &CasterMesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     // Adding 0 makes -0 and 0 the same bits.
-    let key = |v: u32| {
-        (Vec3::from(mesh.positions[v as usize]) + 0.0)
-            .to_array()
-            .map(f32::to_bits)
-    };
+    let key = |v: u32| (Vec3::from(mesh.positions[v as usize]) + 0.0).to_array().map(f32::to_bits);
     let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     order.sort_unstable_by_key(|&v| (key(v), v));
     let mut welded = vec![0u32; order.len()];
@@ -158,20 +139,10 @@ fn weld(mesh: &CasterMesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         (b - a).cross(c - a) != DVec3::ZERO
     };
     let corners = match mesh.indices {
-        Indices::U16(list) => list
-            .as_chunks()
-            .0
-            .iter()
-            .map(|i: &[u16; 3]| triangle(i.map(u32::from)))
-            .filter(casts)
-            .collect(),
-        Indices::U32(list) => list
-            .as_chunks()
-            .0
-            .iter()
-            .map(|&i: &[u32; 3]| triangle(i))
-            .filter(casts)
-            .collect(),
+        Indices::U16(list) => {
+            list.as_chunks().0.iter().map(|i: &[u16; 3]| triangle(i.map(u32::from))).filter(casts).collect()
+        }
+        Indices::U32(list) => list.as_chunks().0.iter().map(|&i: &[u32; 3]| triangle(i)).filter(casts).collect(),
     };
     (positions, corners)
 }
@@ -189,11 +160,7 @@ fn half_edges(triangles: &[Triangle]) -> Vec<HalfEdge> {
     for (t, triangle) in triangles.iter().enumerate() {
         let [a, b, c] = triangle.corners;
         for [from, to] in [[a, b], [b, c], [c, a]] {
-            edges.push(HalfEdge {
-                ends: [from.min(to), from.max(to)],
-                reversed: from > to,
-                triangle: t as u32,
-            });
+            edges.push(HalfEdge { ends: [from.min(to), from.max(to)], reversed: from > to, triangle: t as u32 });
         }
     }
     edges.sort_unstable_by_key(|e| e.ends);

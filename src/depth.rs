@@ -60,11 +60,7 @@ impl Depth {
         positions: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
         let size = size_of::<View>() as u64;
-        let resources = [
-            gpu::dynamic(views, size),
-            lists.as_entire_binding(),
-            positions.as_entire_binding(),
-        ];
+        let resources = [gpu::dynamic(views, size), lists.as_entire_binding(), positions.as_entire_binding()];
         gpu::bind_group(device, "exact", &self.exact_layout, &resources)
     }
 
@@ -94,19 +90,12 @@ impl Depth {
         job: Option<u32>,
         clear: bool,
     ) {
-        let load = if clear {
-            wgpu::LoadOp::Clear(0.0)
-        } else {
-            wgpu::LoadOp::Load
-        };
+        let load = if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("dual_paraboloid::depth"),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: target,
-                depth_ops: Some(wgpu::Operations {
-                    load,
-                    store: wgpu::StoreOp::Store,
-                }),
+                depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
                 stencil_ops: None,
             }),
             ..Default::default()
@@ -168,10 +157,8 @@ fn exact_pipeline(
     hemisphere: u32,
 ) -> wgpu::RenderPipeline {
     let constants = [("HEMISPHERE", f64::from(hemisphere))];
-    let compilation_options = wgpu::PipelineCompilationOptions {
-        constants: &constants,
-        zero_initialize_workgroup_memory: false,
-    };
+    let compilation_options =
+        wgpu::PipelineCompilationOptions { constants: &constants, zero_initialize_workgroup_memory: false };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("dual_paraboloid::exact"),
         layout: Some(&gpu::pipeline_layout(device, "exact", layout)),

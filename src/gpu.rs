@@ -13,12 +13,7 @@ pub(crate) fn shader(device: &wgpu::Device, what: &str, text: String) -> wgpu::S
 }
 
 pub(crate) fn buffer(device: &wgpu::Device, what: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(&label(what)),
-        size,
-        usage,
-        mapped_at_creation: false,
-    })
+    device.create_buffer(&wgpu::BufferDescriptor { label: Some(&label(what)), size, usage, mapped_at_creation: false })
 }
 
 /// Bindings 0, 1, ... of a group.
@@ -31,25 +26,14 @@ pub(crate) fn bind_group(
     let entries: Vec<wgpu::BindGroupEntry> = resources
         .iter()
         .enumerate()
-        .map(|(binding, resource)| wgpu::BindGroupEntry {
-            binding: binding as u32,
-            resource: resource.clone(),
-        })
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource: resource.clone() })
         .collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some(&label(what)),
-        layout,
-        entries: &entries,
-    })
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(&label(what)), layout, entries: &entries })
 }
 
 /// A binding of `size` bytes whose offset is given when the group is set.
 pub(crate) fn dynamic(buffer: &wgpu::Buffer, size: u64) -> wgpu::BindingResource<'_> {
-    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-        buffer,
-        offset: 0,
-        size: wgpu::BufferSize::new(size),
-    })
+    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size: wgpu::BufferSize::new(size) })
 }
 
 /// How a buffer is bound.
@@ -90,10 +74,7 @@ pub(crate) fn layout(
             count: None,
         })
         .collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(&label(what)),
-        entries: &entries,
-    })
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&label(what)), entries: &entries })
 }
 
 pub(crate) fn pipeline_layout(

@@ -35,13 +35,7 @@ pub struct PointLight {
 impl Default for PointLight {
     /// At the origin, unturned, from 0.01 to 20 world units, in all directions.
     fn default() -> Self {
-        Self {
-            position: Vec3::ZERO,
-            orientation: Quat::IDENTITY,
-            range: 20.0,
-            near: 0.01,
-            coverage: Coverage::Full,
-        }
+        Self { position: Vec3::ZERO, orientation: Quat::IDENTITY, range: 20.0, near: 0.01, coverage: Coverage::Full }
     }
 }
 
@@ -54,11 +48,7 @@ impl PointLight {
             return wrong("position", self.position.to_string(), "every coordinate must be finite");
         }
         if !self.orientation.is_finite() || !self.orientation.is_normalized() {
-            return wrong(
-                "orientation",
-                self.orientation.to_string(),
-                "it must be a unit quaternion: normalize it",
-            );
+            return wrong("orientation", self.orientation.to_string(), "it must be a unit quaternion: normalize it");
         }
         if !(self.range.is_finite() && self.range > 0.0) {
             return wrong("range", self.range.to_string(), "it must be finite and above 0");

@@ -35,12 +35,7 @@ impl Lookup {
         let layout = layout(device);
         let capacity = u64::from(maps.depth_or_array_layers());
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-        let lights = gpu::buffer(
-            device,
-            "lookup::lights",
-            capacity * size_of::<LightRecord>() as u64,
-            usage,
-        );
+        let lights = gpu::buffer(device, "lookup::lights", capacity * size_of::<LightRecord>() as u64, usage);
         let view = maps.create_view(&wgpu::TextureViewDescriptor {
             label: Some("dual_paraboloid::lookup::maps"),
             dimension: Some(wgpu::TextureViewDimension::D2Array),
@@ -84,11 +79,7 @@ impl Lookup {
                 padding: [0; 3],
             }
         });
-        queue.write_buffer(
-            &self.lights,
-            u64::from(layer) * size_of_val(&record) as u64,
-            bytemuck::bytes_of(&record),
-        );
+        queue.write_buffer(&self.lights, u64::from(layer) * size_of_val(&record) as u64, bytemuck::bytes_of(&record));
     }
 }
 

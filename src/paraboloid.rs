@@ -32,11 +32,7 @@ macro_rules! mapping {
         /// the back.
         #[must_use]
         pub fn to_hemisphere(light_space: $vec3, back: bool) -> $vec3 {
-            if back {
-                $vec3::new(-light_space.x, light_space.y, -light_space.z)
-            } else {
-                light_space
-            }
+            if back { $vec3::new(-light_space.x, light_space.y, -light_space.z) } else { light_space }
         }
 
         /// Whether a point of light space belongs to the back hemisphere. The seam (`z = 0`) is the front's.
@@ -50,11 +46,7 @@ macro_rules! mapping {
         #[must_use]
         pub fn homogeneous_w(x: $vec3) -> $float {
             let length = x.length();
-            if x.z < 0.0 {
-                x.xy().dot(x.xy()) / (length - x.z)
-            } else {
-                length + x.z
-            }
+            if x.z < 0.0 { x.xy().dot(x.xy()) / (length - x.z) } else { length + x.z }
         }
 
         /// Hemisphere space to map coordinates. Points of the hemisphere land in the unit disc; the axis
@@ -62,11 +54,7 @@ macro_rules! mapping {
         #[must_use]
         pub fn project(x: $vec3) -> $vec2 {
             let w = homogeneous_w(x);
-            if w > 0.0 {
-                x.xy() / w
-            } else {
-                $vec2::new(1e18, 0.0)
-            }
+            if w > 0.0 { x.xy() / w } else { $vec2::new(1e18, 0.0) }
         }
 
         /// Map coordinates to the point of hemisphere space that has `w = 1`. Its length is `(1 + r^2)/2`.
@@ -138,11 +126,7 @@ macro_rules! mapping {
             let (p, q) = if swap { (b, a) } else { (a, b) };
             let n = unproject_scaled(p).cross(unproject_scaled(q));
             let length = n.length();
-            if length > 0.0 {
-                (n.z.abs() / length).min(1.0)
-            } else {
-                0.0
-            }
+            if length > 0.0 { (n.z.abs() / length).min(1.0) } else { 0.0 }
         }
 
         /// Circle of the map that holds the edge between two points of hemisphere space, as centre and

@@ -18,10 +18,7 @@ impl Ranges {
 
     /// Where `length` elements would go; nothing is taken yet.
     fn find(&self, length: u32) -> Option<u32> {
-        self.free
-            .iter()
-            .find(|(_, free)| **free >= length)
-            .map(|(start, _)| *start)
+        self.free.iter().find(|(_, free)| **free >= length).map(|(start, _)| *start)
     }
 
     /// `end` as it would be after [`Self::allocate`].

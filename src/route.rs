@@ -33,12 +33,7 @@ impl Route {
         let constants = [("REJECT", f64::from(u8::from(reject)))];
         let pipeline = gpu::compute_pipeline(device, "route", &module, Some(&layout), &constants);
         let capacity = 1024;
-        Self {
-            pipeline,
-            layout,
-            lists: lists(device, capacity),
-            capacity,
-        }
+        Self { pipeline, layout, lists: lists(device, capacity), capacity }
     }
 
     pub(crate) fn lists(&self) -> &wgpu::Buffer {
@@ -64,15 +59,8 @@ impl Route {
     /// The stretches of chunks that the lists surely have room for.
     pub(crate) fn jobs(&self, casters: &Casters) -> Vec<std::ops::Range<u32>> {
         let chunks = casters.chunk_count();
-        let step = if casters.triangle_count() <= u64::from(self.capacity) {
-            chunks
-        } else {
-            self.capacity / CHUNK
-        };
-        (0..chunks)
-            .step_by(step.max(1) as usize)
-            .map(|first| first..(first + step).min(chunks))
-            .collect()
+        let step = if casters.triangle_count() <= u64::from(self.capacity) { chunks } else { self.capacity / CHUNK };
+        (0..chunks).step_by(step.max(1) as usize).map(|first| first..(first + step).min(chunks)).collect()
     }
 
     pub(crate) fn bind_group(

@@ -30,12 +30,7 @@ pub struct PointShadowsDescriptor {
 impl Default for PointShadowsDescriptor {
     /// Four lights of 1024 texels across, to a twentieth of a texel, with a guard band of four texels.
     fn default() -> Self {
-        Self {
-            capacity: 4,
-            resolution: 1024,
-            tolerance: 0.25,
-            guard: 4.0,
-        }
+        Self { capacity: 4, resolution: 1024, tolerance: 0.05, guard: 4.0 }
     }
 }
 
@@ -111,12 +106,7 @@ impl PointShadows {
 
     fn with_rejection(device: &wgpu::Device, descriptor: &PointShadowsDescriptor, reject: bool) -> Result<Self, Error> {
         validate(descriptor, &device.limits())?;
-        let PointShadowsDescriptor {
-            capacity,
-            resolution,
-            tolerance,
-            guard,
-        } = *descriptor;
+        let PointShadowsDescriptor { capacity, resolution, tolerance, guard } = *descriptor;
         let shape = MapShape::new(resolution, guard, tolerance);
         let maps = create_maps(device, capacity, resolution);
         let layers = (0..capacity).map(|layer| layer_view(&maps, layer)).collect();
@@ -146,9 +136,7 @@ impl PointShadows {
     pub fn add(&mut self, light: PointLight) -> Result<LightId, Error> {
         light.validate()?;
         if self.lights.count() == self.capacity {
-            return Err(Error::CapacityExceeded {
-                capacity: self.capacity,
-            });
+            return Err(Error::CapacityExceeded { capacity: self.capacity });
         }
         Ok(LightId(self.lights.insert(Light { light, stale: true })))
     }
@@ -250,16 +238,7 @@ impl PointShadows {
         for (number, (layer, light)) in (0..).zip(stale) {
             let target = &self.layers[*layer as usize];
             let draw = |encoder: &mut _, job, clear| {
-                self.depth.record(
-                    encoder,
-                    target,
-                    &sources,
-                    &self.shape,
-                    light.coverage,
-                    number,
-                    job,
-                    clear,
-                );
+                self.depth.record(encoder, target, &sources, &self.shape, light.coverage, number, job, clear);
             };
             if ranges.is_empty() {
                 draw(encoder, None, true);
@@ -286,10 +265,7 @@ impl PointShadows {
         stale: &[(u32, PointLight)],
         ranges: &[std::ops::Range<u32>],
     ) {
-        let room = Capacities {
-            triangles: self.route.capacity(),
-            pieces: self.split.capacity(),
-        };
+        let room = Capacities { triangles: self.route.capacity(), pieces: self.split.capacity() };
         let jobs = stale.len() * ranges.len();
         self.jobs = jobs;
         if jobs as u64 * SLOT > self.views.size() {
@@ -300,12 +276,8 @@ impl PointShadows {
         let mut views = vec![0u8; jobs * SLOT as usize];
         let mut arguments = views.clone();
         let start = Arguments::new(room);
-        let all = stale
-            .iter()
-            .flat_map(|(_, light)| ranges.iter().map(move |chunks| (light, chunks)));
-        let slots = views
-            .chunks_exact_mut(SLOT as usize)
-            .zip(arguments.chunks_exact_mut(SLOT as usize));
+        let all = stale.iter().flat_map(|(_, light)| ranges.iter().map(move |chunks| (light, chunks)));
+        let slots = views.chunks_exact_mut(SLOT as usize).zip(arguments.chunks_exact_mut(SLOT as usize));
         for ((light, chunks), (view_slot, argument_slot)) in all.zip(slots) {
             let view = View::new(light, &self.shape, chunks.clone(), room);
             view_slot[..size_of_val(&view)].copy_from_slice(bytemuck::bytes_of(&view));
@@ -320,9 +292,7 @@ impl PointShadows {
         Groups {
             key,
             route: self.route.bind_group(device, &self.views, &self.arguments, casters),
-            split: self
-                .split
-                .bind_group(device, &self.views, &self.arguments, lists, positions),
+            split: self.split.bind_group(device, &self.views, &self.arguments, lists, positions),
             exact: self.depth.exact_group(device, &self.views, lists, positions),
         }
     }
@@ -379,38 +349,16 @@ fn touches(light: &PointLight, bounds: &Option<crate::chunks::Bounds>) -> bool {
 
 fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Result<(), Error> {
     let check = |ok: bool, what, value: String, remedy: String| {
-        if ok {
-            Ok(())
-        } else {
-            Err(Error::InvalidDescriptor { what, value, remedy })
-        }
+        if ok { Ok(()) } else { Err(Error::InvalidDescriptor { what, value, remedy }) }
     };
     let (widest, layers) = (limits.max_texture_dimension_2d, limits.max_texture_array_layers);
-    let PointShadowsDescriptor {
-        capacity,
-        resolution,
-        tolerance,
-        guard,
-    } = *descriptor;
+    let PointShadowsDescriptor { capacity, resolution, tolerance, guard } = *descriptor;
     let room = format!("it must be 1 to {layers}, the device's limit of texture layers");
     check((1..=layers).contains(&capacity), "capacity", capacity.to_string(), room)?;
-    let room = format!(
-        "it must be 1 to {}, half the width of the device's largest texture",
-        widest / 2
-    );
-    check(
-        (1..=widest / 2).contains(&resolution),
-        "resolution",
-        resolution.to_string(),
-        room,
-    )?;
+    let room = format!("it must be 1 to {}, half the width of the device's largest texture", widest / 2);
+    check((1..=widest / 2).contains(&resolution), "resolution", resolution.to_string(), room)?;
     let room = "it must be 0.01 to 1 texel".to_owned();
-    check(
-        (0.01..=1.0).contains(&tolerance),
-        "tolerance",
-        tolerance.to_string(),
-        room,
-    )?;
+    check((0.01..=1.0).contains(&tolerance), "tolerance", tolerance.to_string(), room)?;
     let room = "it must be 1 to 16 texels".to_owned();
     check((1.0..=16.0).contains(&guard), "guard", guard.to_string(), room)
 }
@@ -418,11 +366,7 @@ fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Resul
 fn create_maps(device: &wgpu::Device, capacity: u32, resolution: u32) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some("dual_paraboloid::maps"),
-        size: wgpu::Extent3d {
-            width: 2 * resolution,
-            height: resolution,
-            depth_or_array_layers: capacity,
-        },
+        size: wgpu::Extent3d { width: 2 * resolution, height: resolution, depth_or_array_layers: capacity },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
@@ -445,12 +389,7 @@ fn layer_view(maps: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
 }
 
 fn job_buffer(device: &wgpu::Device, what: &str, jobs: u32, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    gpu::buffer(
-        device,
-        what,
-        u64::from(jobs) * SLOT,
-        usage | wgpu::BufferUsages::COPY_DST,
-    )
+    gpu::buffer(device, what, u64::from(jobs) * SLOT, usage | wgpu::BufferUsages::COPY_DST)
 }
 
 fn argument_buffer(device: &wgpu::Device, jobs: u32) -> wgpu::Buffer {

@@ -28,14 +28,7 @@ impl<T> Slots<T> {
     pub(crate) fn new(what: &'static str, owner_name: &'static str) -> Self {
         static OWNERS: AtomicU32 = AtomicU32::new(0);
         let owner = OWNERS.fetch_add(1, Ordering::Relaxed);
-        Self {
-            what,
-            owner_name,
-            owner,
-            ranges: Ranges::default(),
-            slots: Vec::new(),
-            generation: 0,
-        }
+        Self { what, owner_name, owner, ranges: Ranges::default(), slots: Vec::new(), generation: 0 }
     }
 
     /// Differs from that of every other [`Slots`].
@@ -48,11 +41,7 @@ impl<T> Slots<T> {
         self.slots.resize_with(self.ranges.end() as usize, || None);
         self.generation = self.generation.wrapping_add(1);
         self.slots[slot as usize] = Some((self.generation, value));
-        Handle {
-            owner: self.owner,
-            slot,
-            generation: self.generation,
-        }
+        Handle { owner: self.owner, slot, generation: self.generation }
     }
 
     pub(crate) fn get(&self, handle: Handle) -> Result<&T, Error> {
@@ -96,9 +85,6 @@ impl<T> Slots<T> {
 
     /// The values with their slots.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut T)> {
-        self.slots
-            .iter_mut()
-            .enumerate()
-            .filter_map(|(slot, entry)| entry.as_mut().map(|(_, v)| (slot as u32, v)))
+        self.slots.iter_mut().enumerate().filter_map(|(slot, entry)| entry.as_mut().map(|(_, v)| (slot as u32, v)))
     }
 }

@@ -20,21 +20,12 @@ pub(crate) struct Split {
 impl Split {
     pub(crate) fn new(device: &wgpu::Device, reject: bool) -> Self {
         use Binding::{Counters, Read, Uniform, Write};
-        let layout = gpu::layout(
-            device,
-            "split",
-            wgpu::ShaderStages::COMPUTE,
-            &[Uniform, Counters, Write, Read, Write],
-        );
+        let layout =
+            gpu::layout(device, "split", wgpu::ShaderStages::COMPUTE, &[Uniform, Counters, Write, Read, Write]);
         let module = gpu::shader(device, "split", crate::wgsl::split());
         let constants = [("REJECT", f64::from(u8::from(reject)))];
         let pipeline = gpu::compute_pipeline(device, "split", &module, Some(&layout), &constants);
-        Self {
-            pipeline,
-            layout,
-            pieces: pieces(device, 1),
-            capacity: 1,
-        }
+        Self { pipeline, layout, pieces: pieces(device, 1), capacity: 1 }
     }
 
     /// Makes room for the pieces of `triangles`; returns whether the buffer was replaced.

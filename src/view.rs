@@ -24,11 +24,7 @@ impl MapShape {
     pub(crate) fn new(resolution: u32, guard: f32, tolerance: f32) -> Self {
         let size = resolution as f32;
         let guard = guard.min(size / 16.0);
-        Self {
-            resolution,
-            half_width: size / (size - 2.0 * guard),
-            tolerance,
-        }
+        Self { resolution, half_width: size / (size - 2.0 * guard), tolerance }
     }
 
     /// Texels per unit of map coordinates.
@@ -177,20 +173,9 @@ pub(crate) struct Arguments {
 impl Arguments {
     /// As they are before the first stage.
     pub(crate) fn new(room: Capacities) -> Self {
-        let whole = |h: u32| DrawIndexed {
-            instance_count: 1,
-            first_index: 3 * room.triangles * h,
-            ..Default::default()
-        };
-        let pieces = |h: u32| Draw {
-            instance_count: 1,
-            first_vertex: 3 * room.pieces * h,
-            ..Default::default()
-        };
-        Self {
-            whole: [whole(0), whole(1)],
-            pieces: [pieces(0), pieces(1)],
-            ..Default::default()
-        }
+        let whole =
+            |h: u32| DrawIndexed { instance_count: 1, first_index: 3 * room.triangles * h, ..Default::default() };
+        let pieces = |h: u32| Draw { instance_count: 1, first_vertex: 3 * room.pieces * h, ..Default::default() };
+        Self { whole: [whole(0), whole(1)], pieces: [pieces(0), pieces(1)], ..Default::default() }
     }
 }

@@ -7,26 +7,13 @@ use std::{iter::Peekable, process::Command, str::SplitWhitespace};
 
 /// SPDX identifiers that ask for no more than attribution. Weak copyleft (MPL-2.0, LGPL) is left out on purpose:
 /// a dependency that offers nothing else deserves a decision, not a default.
-const ALLOWED: [&str; 10] = [
-    "0BSD",
-    "Apache-2.0",
-    "BSD-2-Clause",
-    "BSD-3-Clause",
-    "BSL-1.0",
-    "CC0-1.0",
-    "ISC",
-    "MIT",
-    "Unicode-3.0",
-    "Zlib",
-];
+const ALLOWED: [&str; 10] =
+    ["0BSD", "Apache-2.0", "BSD-2-Clause", "BSD-3-Clause", "BSL-1.0", "CC0-1.0", "ISC", "MIT", "Unicode-3.0", "Zlib"];
 
 #[test]
 fn every_dependency_has_an_allowed_licence() {
     let packages = packages();
-    assert!(
-        packages.len() > 1,
-        "cargo metadata lists no dependencies, so nothing was checked"
-    );
+    assert!(packages.len() > 1, "cargo metadata lists no dependencies, so nothing was checked");
 
     let refused: Vec<String> = packages.iter().filter_map(refusal).collect();
     assert!(
@@ -72,22 +59,11 @@ fn malformed_expressions_are_refused() {
 /// The packages that the lock file names. Cargo downloads those it lacks, such as other platforms' crates.
 fn packages() -> Vec<Value> {
     let output = Command::new(env!("CARGO"))
-        .args([
-            "metadata",
-            "--format-version",
-            "1",
-            "--all-features",
-            "--locked",
-            "--manifest-path",
-        ])
+        .args(["metadata", "--format-version", "1", "--all-features", "--locked", "--manifest-path"])
         .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"))
         .output()
         .expect("cargo can be started");
-    assert!(
-        output.status.success(),
-        "cargo metadata failed:\n{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "cargo metadata failed:\n{}", String::from_utf8_lossy(&output.stderr));
 
     let mut metadata: Value = serde_json::from_slice(&output.stdout).expect("cargo metadata prints JSON");
     match metadata["packages"].take() {

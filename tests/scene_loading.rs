@@ -29,10 +29,7 @@ impl Maker {
             "accessors": [],
             "bufferViews": [],
         });
-        Self {
-            json,
-            buffer: Vec::new(),
-        }
+        Self { json, buffer: Vec::new() }
     }
 
     /// A document that draws one triangle, from accessor 0.
@@ -89,11 +86,7 @@ impl Maker {
         text.resize(text.len().next_multiple_of(4), b' ');
         let total = 28 + text.len() + self.buffer.len();
         let mut out = b"glTF".to_vec();
-        out.extend(
-            [2, total as u32, text.len() as u32]
-                .map(u32::to_le_bytes)
-                .as_flattened(),
-        );
+        out.extend([2, total as u32, text.len() as u32].map(u32::to_le_bytes).as_flattened());
         out.extend(b"JSON");
         out.extend(text);
         out.extend((self.buffer.len() as u32).to_le_bytes());
@@ -112,11 +105,7 @@ fn base64(bytes: &[u8]) -> String {
     let group = |group: &[u8]| {
         let bits = (0..3).fold(0, |bits, k| bits << 8 | u32::from(group.get(k).copied().unwrap_or(0)));
         let digit = |k: usize| {
-            if k > group.len() {
-                '='
-            } else {
-                DIGITS[(bits >> (18 - 6 * k) & 63) as usize] as char
-            }
+            if k > group.len() { '=' } else { DIGITS[(bits >> (18 - 6 * k) & 63) as usize] as char }
         };
         [0, 1, 2, 3].map(digit)
     };
@@ -157,12 +146,7 @@ fn buffers_beside_the_file_are_found_through_escapes() {
     fs::write(path("a buffer.bin"), &maker.buffer).unwrap();
     let mut json = maker.json.clone();
     json["buffers"] = json!([{ "byteLength": maker.buffer.len(), "uri": "a%20buffer.bin" }]);
-    assert_eq!(
-        load("beside.gltf", json.to_string().as_bytes())
-            .unwrap()
-            .triangle_count(),
-        1
-    );
+    assert_eq!(load("beside.gltf", json.to_string().as_bytes()).unwrap().triangle_count(), 1);
     json["buffers"][0]["uri"] = json!("absent.bin");
     assert!(message("absent.bin", load("beside.gltf", json.to_string().as_bytes())).contains("check the path"));
 }
@@ -223,10 +207,7 @@ fn nodes_compose_in_double_precision() {
         { "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.75, 0, 0, 1], "children": [2] },
         { "translation": [-16_777_216.0, 0.0, 0.0], "mesh": 0 },
     ]);
-    assert_eq!(
-        maker.load("precision").unwrap().instances[0].transform.translation.x,
-        0.75
-    );
+    assert_eq!(maker.load("precision").unwrap().instances[0].transform.translation.x, 0.75);
 }
 
 #[test]
@@ -239,14 +220,7 @@ fn strips_and_fans_become_lists() {
         json!([{ "primitives": [primitive(0), primitive(1), primitive(4), primitive(5), primitive(6)] }]);
     let scene = maker.load("strips").unwrap();
     let lists: Vec<_> = scene.meshes.iter().map(|mesh| mesh.indices.as_slice()).collect();
-    assert_eq!(
-        lists,
-        [
-            &[4, 3, 2][..],
-            &[4, 3, 2, 3, 1, 2, 2, 1, 0],
-            &[3, 2, 4, 2, 1, 4, 1, 0, 4]
-        ]
-    );
+    assert_eq!(lists, [&[4, 3, 2][..], &[4, 3, 2, 3, 1, 2, 2, 1, 0], &[3, 2, 4, 2, 1, 4, 1, 0, 4]]);
 }
 
 #[test]
@@ -272,10 +246,7 @@ fn quantised_positions_are_read() {
     maker.json["accessors"][positions]["type"] = json!("VEC3");
     maker.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(positions);
     maker.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
-    assert_eq!(
-        maker.load("quantised").unwrap().meshes[0].positions[2],
-        [0.0, -32768.0, 100.0]
-    );
+    assert_eq!(maker.load("quantised").unwrap().meshes[0].positions[2], [0.0, -32768.0, 100.0]);
     maker.json["accessors"][positions]["normalized"] = json!(true);
     let positions = maker.load("quantised").unwrap().meshes[0].positions.clone();
     assert_eq!(positions[1..], [[1.0, 0.0, 0.0], [0.0, -1.0, 100.0 / 32767.0]]);
@@ -305,18 +276,13 @@ fn materials_and_their_images_are_read() {
     maker.json["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
     // The material that nothing uses is not read, and its broken texture does no harm.
     let scene = maker.load("materials").unwrap();
-    let [material] = scene.materials[..] else {
-        panic!("{:?}", scene.materials)
-    };
+    let [material] = scene.materials[..] else { panic!("{:?}", scene.materials) };
     assert_eq!(material.alpha, Alpha::Mask { cutoff: 0.25 });
     assert_eq!(material.base_color, [0.1, 0.2, 0.3, 0.4]);
     assert_eq!(material.emissive, [0.0, 0.5, 1.0]);
     assert!(material.double_sided);
     let image = &scene.images[material.base_color_image.unwrap()];
-    assert_eq!(
-        (image.dimensions(), image.get_pixel(2, 1).0),
-        ((3, 2), [10, 20, 30, 40])
-    );
+    assert_eq!((image.dimensions(), image.get_pixel(2, 1).0), ((3, 2), [10, 20, 30, 40]));
     assert_eq!(scene.meshes[0].tex_coords.as_ref().unwrap()[2], [0.0, 0.25]);
 
     maker.json["images"] = json!([{ "uri": format!("data:image/png;base64,{}", base64(&png)) }]);
@@ -342,14 +308,9 @@ fn only_point_lights_are_kept() {
         { "translation": [0.0, 2.0, 0.0], "extensions": light(1) },
     ]);
     let scene = maker.load("lights").unwrap();
-    let [light] = scene.lights[..] else {
-        panic!("{:?}", scene.lights)
-    };
+    let [light] = scene.lights[..] else { panic!("{:?}", scene.lights) };
     assert_eq!(light.position, Vec3::new(1.0, 2.0, 0.0));
-    assert_eq!(
-        (light.color, light.intensity, light.range),
-        ([1.0, 0.5, 0.0], 7.0, Some(9.0))
-    );
+    assert_eq!((light.color, light.intensity, light.range), ([1.0, 0.5, 0.0], 7.0, Some(9.0)));
     maker.json["nodes"][1]["extensions"]["KHR_lights_punctual"]["light"] = json!(5);
     assert!(message("lights", maker.load("lights")).contains("the light of a node is 5, but there are only 2"));
 }
@@ -376,60 +337,28 @@ fn broken_files_are_explained() {
     type Change = fn(&mut Value);
     let cases: &[(&str, Change)] = &[
         ("version is \"1.0\"", |json| json["asset"]["version"] = json!("1.0")),
-        ("the default scene is 3, but there are only 1", |json| {
-            json["scene"] = json!(3)
-        }),
-        ("a node of the scene is 8, but there are only 1", |json| {
-            json["scenes"][0]["nodes"] = json!([8])
-        }),
-        ("the mesh of a node is 4, but", |json| {
-            json["nodes"][0]["mesh"] = json!(4)
-        }),
-        ("node 0 is its own ancestor", |json| {
-            json["nodes"][0]["children"] = json!([0])
-        }),
+        ("the default scene is 3, but there are only 1", |json| json["scene"] = json!(3)),
+        ("a node of the scene is 8, but there are only 1", |json| json["scenes"][0]["nodes"] = json!([8])),
+        ("the mesh of a node is 4, but", |json| json["nodes"][0]["mesh"] = json!(4)),
+        ("node 0 is its own ancestor", |json| json["nodes"][0]["children"] = json!([0])),
         ("not finite", |json| json["nodes"][0]["scale"] = json!([1e39, 1.0, 1.0])),
-        ("not of length 1", |json| {
-            json["nodes"][0]["rotation"] = json!([0, 0, 0, 0])
-        }),
-        ("is 9, but there are only 1", |json| {
-            json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(9)
-        }),
-        ("has no POSITION", |json| {
-            json["meshes"][0]["primitives"][0]["attributes"] = json!({})
-        }),
-        ("unknown mode", |json| {
-            json["meshes"][0]["primitives"][0]["mode"] = json!(12)
-        }),
-        ("not of type Scalar", |json| {
-            json["meshes"][0]["primitives"][0]["indices"] = json!(0)
-        }),
-        ("the material of a primitive is 2", |json| {
-            json["meshes"][0]["primitives"][0]["material"] = json!(2)
-        }),
-        ("draws no triangle", |json| {
-            json["meshes"][0]["primitives"][0]["mode"] = json!(1)
-        }),
+        ("not of length 1", |json| json["nodes"][0]["rotation"] = json!([0, 0, 0, 0])),
+        ("is 9, but there are only 1", |json| json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(9)),
+        ("has no POSITION", |json| json["meshes"][0]["primitives"][0]["attributes"] = json!({})),
+        ("unknown mode", |json| json["meshes"][0]["primitives"][0]["mode"] = json!(12)),
+        ("not of type Scalar", |json| json["meshes"][0]["primitives"][0]["indices"] = json!(0)),
+        ("the material of a primitive is 2", |json| json["meshes"][0]["primitives"][0]["material"] = json!(2)),
+        ("draws no triangle", |json| json["meshes"][0]["primitives"][0]["mode"] = json!(1)),
         ("draws no triangle", |json| json["accessors"][0]["count"] = json!(2)),
         ("not of type Vec3", |json| json["accessors"][0]["type"] = json!("VEC4")),
-        ("unknown component type", |json| {
-            json["accessors"][0]["componentType"] = json!(7)
-        }),
+        ("unknown component type", |json| json["accessors"][0]["componentType"] = json!(7)),
         ("takes more bytes", |json| json["accessors"][0]["count"] = json!(4)),
-        ("takes more bytes", |json| {
-            json["accessors"][0]["byteOffset"] = json!(u64::MAX)
-        }),
+        ("takes more bytes", |json| json["accessors"][0]["byteOffset"] = json!(u64::MAX)),
         ("pass the limit", |json| json["accessors"][0]["count"] = json!(u64::MAX)),
-        ("a buffer view is 6", |json| {
-            json["accessors"][0]["bufferView"] = json!(6)
-        }),
+        ("a buffer view is 6", |json| json["accessors"][0]["bufferView"] = json!(6)),
         ("a stride of 5", |json| json["bufferViews"][0]["byteStride"] = json!(5)),
-        ("of a buffer of 36", |json| {
-            json["bufferViews"][0]["byteLength"] = json!(u64::MAX)
-        }),
-        ("the buffer of buffer view 0 is 1", |json| {
-            json["bufferViews"][0]["buffer"] = json!(1)
-        }),
+        ("of a buffer of 36", |json| json["bufferViews"][0]["byteLength"] = json!(u64::MAX)),
+        ("the buffer of buffer view 0 is 1", |json| json["bufferViews"][0]["buffer"] = json!(1)),
         ("does not parse", |json| json["accessors"] = json!(5)),
     ];
     for (expected, change) in cases {
@@ -446,10 +375,7 @@ fn an_index_past_the_vertices_is_an_error() {
     let indices = maker.indices(&[0, 1, 3]);
     maker.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
     let text = message("past", maker.load("past"));
-    assert!(
-        text.contains("index 2 of mesh 0, primitive 0 is 3, but there are only 3"),
-        "{text}"
-    );
+    assert!(text.contains("index 2 of mesh 0, primitive 0 is 3, but there are only 3"), "{text}");
 }
 
 #[test]
@@ -521,11 +447,7 @@ fn garbage_and_damage_never_panic() {
         for _ in 0..random.random_range(1..6) {
             let at = random.random_range(0..damaged.len());
             // Digits make for more files that parse than any byte would.
-            damaged[at] = if random.random() {
-                random.random_range(b'0'..=b'9')
-            } else {
-                random.random()
-            };
+            damaged[at] = if random.random() { random.random_range(b'0'..=b'9') } else { random.random() };
         }
         if let Ok(scene) = load("damaged.glb", &damaged) {
             assert!(scene.bounds().is_some());

@@ -15,9 +15,5 @@ pub use shadow_error::{CREASE_DEPTH, FAR_TEXELS, ShadowError, ShadowReport, near
 
 /// `count` out of `total` in parts per million; 0 of nothing is 0.
 fn per_million(count: usize, total: usize) -> f64 {
-    if total == 0 {
-        0.0
-    } else {
-        1e6 * count as f64 / total as f64
-    }
+    if total == 0 { 0.0 } else { 1e6 * count as f64 / total as f64 }
 }

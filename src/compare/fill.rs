@@ -12,15 +12,7 @@ pub fn fill(casters: &mut Casters, scene: &Scene, sides: Sides) -> Result<Vec<In
     let mut meshes = Vec::with_capacity(scene.meshes.len());
     for mesh in &scene.meshes {
         let indices = Indices::U32(&mesh.indices);
-        meshes.push(casters.add_mesh(&CasterMesh {
-            positions: &mesh.positions,
-            indices,
-            sides,
-        })?);
+        meshes.push(casters.add_mesh(&CasterMesh { positions: &mesh.positions, indices, sides })?);
     }
-    scene
-        .instances
-        .iter()
-        .map(|instance| casters.add_instance(meshes[instance.mesh], instance.transform))
-        .collect()
+    scene.instances.iter().map(|instance| casters.add_instance(meshes[instance.mesh], instance.transform)).collect()
 }

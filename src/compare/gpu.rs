@@ -60,10 +60,8 @@ impl Gpu {
             required_limits: adapter.limits(),
             ..Default::default()
         });
-        let (device, queue) = pollster::block_on(request).map_err(|error| GpuError::NoDevice {
-            name: info.name.clone(),
-            reason: error.to_string(),
-        })?;
+        let (device, queue) = pollster::block_on(request)
+            .map_err(|error| GpuError::NoDevice { name: info.name.clone(), reason: error.to_string() })?;
         Ok(Self { device, queue, info })
     }
 
@@ -75,9 +73,7 @@ impl Gpu {
 
     /// Encodes and submits.
     pub fn submit(&self, encode: impl FnOnce(&mut wgpu::CommandEncoder)) {
-        let mut encoder = self
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encode(&mut encoder);
         self.queue.submit([encoder.finish()]);
     }
@@ -118,17 +114,9 @@ impl Gpu {
                 },
                 wgpu::TexelCopyBufferInfo {
                     buffer: &staging,
-                    layout: wgpu::TexelCopyBufferLayout {
-                        offset: 0,
-                        bytes_per_row: Some(row),
-                        rows_per_image: None,
-                    },
+                    layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
                 },
-                wgpu::Extent3d {
-                    width,
-                    height,
-                    depth_or_array_layers: 1,
-                },
+                wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             );
         });
         self.mapped(&staging, |bytes| {
@@ -185,10 +173,7 @@ impl Gpu {
             label: Some("dual_paraboloid::compare::evaluate"),
             source: wgpu::ShaderSource::Wgsl(text.into()),
         });
-        let input: Vec<[f32; 3]> = receivers
-            .iter()
-            .flat_map(|(p, n)| [p.to_array(), n.to_array()])
-            .collect();
+        let input: Vec<[f32; 3]> = receivers.iter().flat_map(|(p, n)| [p.to_array(), n.to_array()]).collect();
         let input = device.create_buffer_init(&BufferInitDescriptor {
             label: Some("dual_paraboloid::compare::receivers"),
             contents: bytemuck::cast_slice(&input),

@@ -92,11 +92,7 @@ pub fn ideal_map(reference: &Reference, view: &View, geometry: MapGeometry) -> I
             ideal_texel(reference, view, &geometry, back, geometry.centre(i, j))
         })
         .unzip();
-    IdealMap {
-        geometry,
-        depths,
-        triangles,
-    }
+    IdealMap { geometry, depths, triangles }
 }
 
 /// Depth and triangle that a map should hold at map coordinates `p`.
@@ -107,9 +103,7 @@ fn ideal_texel(reference: &Reference, view: &View, geometry: &MapGeometry, back:
     let d = paraboloid::unproject(p);
     reference
         .nearest(view.to_world(d, back), view.clip_distance(d))
-        .map_or((0.0, NO_TRIANGLE), |hit| {
-            (paraboloid::depth(d * hit.t, view.near), hit.triangle)
-        })
+        .map_or((0.0, NO_TRIANGLE), |hit| (paraboloid::depth(d * hit.t, view.near), hit.triangle))
 }
 
 /// The lookup of `shaders/lookup.wgsl`, bilinear, in double precision: the same steps under the same names.
@@ -160,12 +154,7 @@ impl Lookup {
     fn locate(&self, position: DVec3, normal: DVec3) -> Located {
         let (position, back) = self.view.to_hemisphere(position - self.view.position);
         let normal = paraboloid::to_hemisphere(self.view.orientation.inverse() * normal, back);
-        Located {
-            position,
-            normal,
-            back,
-            map: paraboloid::project(position),
-        }
+        Located { position, normal, back, map: paraboloid::project(position) }
     }
 
     /// The depth above which the map's content at map coordinates `p` hides the receiver: the receiver's own plane
@@ -174,11 +163,7 @@ impl Lookup {
         let here = receiver.normal.dot(paraboloid::unproject_scaled(receiver.map));
         let there = receiver.normal.dot(paraboloid::unproject_scaled(p));
         // Without a plane (no normal, or the light in it) the receiver's own depth has to do.
-        let slope = if here == 0.0 {
-            1.0
-        } else {
-            (there / here).clamp(SLOPE.0, SLOPE.1)
-        };
+        let slope = if here == 0.0 { 1.0 } else { (there / here).clamp(SLOPE.0, SLOPE.1) };
         let incidence = here.abs() / (receiver.normal.length() * paraboloid::unproject_scaled(receiver.map).length());
         let bias = (self.bias + self.tolerance / incidence.max(1e-3))
             * paraboloid::texel_angle(receiver.map, self.geometry.texel());
@@ -188,9 +173,7 @@ impl Lookup {
     fn sample_bilinear(&self, stored: impl Fn(usize) -> f64, receiver: &Located) -> f64 {
         let last = self.geometry.resolution - 1;
         let at = self.geometry.position(receiver.map) - 0.5;
-        let base = at
-            .floor()
-            .clamp(DVec2::ZERO, DVec2::splat(f64::from(last.saturating_sub(1))));
+        let base = at.floor().clamp(DVec2::ZERO, DVec2::splat(f64::from(last.saturating_sub(1))));
         let f = (at - base).clamp(DVec2::ZERO, DVec2::ONE);
         let (i, j) = (base.x as u32, base.y as u32);
         let lit = |i: u32, j: u32| {
@@ -213,18 +196,10 @@ mod tests {
     use rand::{Rng, SeedableRng};
     use rand_pcg::Pcg64;
 
-    const GEOMETRY: MapGeometry = MapGeometry {
-        resolution: 128,
-        guard: 0.05,
-    };
+    const GEOMETRY: MapGeometry = MapGeometry { resolution: 128, guard: 0.05 };
 
     fn view(position: DVec3, orientation: DQuat) -> View {
-        View {
-            position,
-            orientation,
-            near: 0.01,
-            range: f64::INFINITY,
-        }
+        View { position, orientation, near: 0.01, range: f64::INFINITY }
     }
 
     #[test]
@@ -233,16 +208,10 @@ mod tests {
             let (back, i, j) = GEOMETRY.texel_at(index);
             assert_eq!(GEOMETRY.index(back, i, j), index);
             let at = GEOMETRY.position(GEOMETRY.centre(i, j));
-            assert!(
-                (at - DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5)).length() < 1e-10,
-                "{at}"
-            );
+            assert!((at - DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5)).length() < 1e-10, "{at}");
         }
         let corner = GEOMETRY.centre(0, 0) + DVec2::new(-0.5, 0.5) * GEOMETRY.texel();
-        assert!(
-            (corner - DVec2::new(-1.05, 1.05)).length() < 1e-12,
-            "upper left: {corner}"
-        );
+        assert!((corner - DVec2::new(-1.05, 1.05)).length() < 1e-12, "upper left: {corner}");
     }
 
     #[test]
@@ -282,10 +251,7 @@ mod tests {
     #[test]
     fn casters_nearer_than_the_clip_distance_are_left_out() {
         let near = 1.0;
-        let view = View {
-            near,
-            ..view(DVec3::ZERO, DQuat::IDENTITY)
-        };
+        let view = View { near, ..view(DVec3::ZERO, DQuat::IDENTITY) };
         let size = DVec3::splat(0.8);
         let reference = Reference::new(&box_triangles(-size, size), None, DVec3::ZERO);
         let map = ideal_map(&reference, &view, GEOMETRY);
@@ -315,12 +281,7 @@ mod tests {
             let floor = sheet(DVec3::new(-1e3, -1.0, -1e3), DVec3::X * 2e3, DVec3::Z * 2e3);
             let reference = Reference::new(&floor, None, DVec3::ZERO);
             let map = ideal_map(&reference, &view, GEOMETRY);
-            let lookup = Lookup {
-                view,
-                geometry: GEOMETRY,
-                bias: 1e-6,
-                tolerance: 0.0,
-            };
+            let lookup = Lookup { view, geometry: GEOMETRY, bias: 1e-6, tolerance: 0.0 };
             for _ in 0..2000 {
                 let mut d = random_direction(&mut random);
                 d.y = -d.y.abs() - 0.1;
@@ -334,16 +295,8 @@ mod tests {
     /// What stands before the receiver's plane by more than the bias shadows it, and what stands less far doesn't.
     #[test]
     fn bias_is_in_texel_footprints_along_the_ray() {
-        let geometry = MapGeometry {
-            resolution: 64,
-            guard: 0.0,
-        };
-        let lookup = Lookup {
-            view: view(DVec3::ZERO, DQuat::IDENTITY),
-            geometry,
-            bias: 0.5,
-            tolerance: 0.0,
-        };
+        let geometry = MapGeometry { resolution: 64, guard: 0.0 };
+        let lookup = Lookup { view: view(DVec3::ZERO, DQuat::IDENTITY), geometry, bias: 0.5, tolerance: 0.0 };
         let mut random = Pcg64::seed_from_u64(4);
         for _ in 0..1000 {
             let d = random_direction(&mut random);
@@ -367,23 +320,11 @@ mod tests {
     /// With one texel of the four dark, the answer falls by that texel's bilinear weight.
     #[test]
     fn weights_are_bilinear() {
-        let lookup = Lookup {
-            view: view(DVec3::ZERO, DQuat::IDENTITY),
-            geometry: GEOMETRY,
-            bias: 0.1,
-            tolerance: 0.0,
-        };
+        let lookup = Lookup { view: view(DVec3::ZERO, DQuat::IDENTITY), geometry: GEOMETRY, bias: 0.1, tolerance: 0.0 };
         let (i, j) = (40, 70);
         let dark = GEOMETRY.index(false, i, j);
         let stored = |texel| if texel == dark { 1.0 } else { 0.0 };
-        for (x, y) in [
-            (0.0, 0.0),
-            (0.25, 0.5),
-            (-0.75, 0.1),
-            (0.9, -0.9),
-            (-0.3, -0.4),
-            (1.1, 0.0),
-        ] {
+        for (x, y) in [(0.0, 0.0), (0.25, 0.5), (-0.75, 0.1), (0.9, -0.9), (-0.3, -0.4), (1.1, 0.0)] {
             let p = GEOMETRY.centre(i, j) + DVec2::new(x, y) * GEOMETRY.texel();
             let d = paraboloid::unproject(p) * 3.0;
             let expected = 1.0 - f64::max(0.0, 1.0 - f64::abs(x)) * f64::max(0.0, 1.0 - f64::abs(y));

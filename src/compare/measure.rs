@@ -35,34 +35,19 @@ impl Truth {
         let reference = Reference::new(&scene.world_triangles().corners, None, view.position);
         let receivers = sample_receivers(&reference, &view, samples, seed);
         let lit = truth(&receivers, &reference, &view);
-        Self {
-            view,
-            reference,
-            receivers,
-            lit,
-        }
+        Self { view, reference, receivers, lit }
     }
 
     /// Positions and normals of the receivers, as a shader takes them.
     #[must_use]
     pub fn inputs(&self) -> Vec<(Vec3, Vec3)> {
-        self.receivers
-            .iter()
-            .map(|receiver| (receiver.position, receiver.normal))
-            .collect()
+        self.receivers.iter().map(|receiver| (receiver.position, receiver.normal)).collect()
     }
 
     /// Error figures of answers from a map of this geometry.
     #[must_use]
     pub fn judge(&self, values: &[f32], geometry: &MapGeometry) -> ShadowError {
-        shadow_error(
-            &self.receivers,
-            &self.lit,
-            values,
-            &self.reference,
-            &self.view,
-            geometry,
-        )
+        shadow_error(&self.receivers, &self.lit, values, &self.reference, &self.view, geometry)
     }
 
     /// The ray-cast map, and the error figures of the double precision lookup on it, with the bias
@@ -70,12 +55,7 @@ impl Truth {
     #[must_use]
     pub fn ideal(&self, geometry: MapGeometry, tolerance: f64) -> (IdealMap, ShadowError) {
         let map = ideal_map(&self.reference, &self.view, geometry);
-        let lookup = Lookup {
-            view: self.view,
-            geometry,
-            bias: BIAS,
-            tolerance,
-        };
+        let lookup = Lookup { view: self.view, geometry, bias: BIAS, tolerance };
         let values = ideal_shadows(&self.receivers, &map, &lookup);
         let error = self.judge(&values, &geometry);
         (map, error)
@@ -110,20 +90,13 @@ impl Made {
         gpu.submit(|encoder| {
             shadows.record(&gpu.device, &gpu.queue, encoder, &mut casters);
         });
-        Ok(Self {
-            casters,
-            shadows,
-            light,
-        })
+        Ok(Self { casters, shadows, light })
     }
 
     /// Size of the maps.
     #[must_use]
     pub fn geometry(&self) -> MapGeometry {
-        MapGeometry {
-            resolution: self.shadows.maps().height(),
-            guard: f64::from(self.shadows.half_width()) - 1.0,
-        }
+        MapGeometry { resolution: self.shadows.maps().height(), guard: f64::from(self.shadows.half_width()) - 1.0 }
     }
 
     /// The maps' and the lookup's error, and the floor at this resolution.
@@ -135,10 +108,7 @@ impl Made {
         let values = gpu.shadow_values(&self.shadows, self.light, &truth.inputs());
         Figures {
             map: map_error(&stored, &ideal, &truth.reference, &truth.view),
-            shadow: ShadowReport {
-                error: truth.judge(&values, &geometry),
-                ideal_wrong_ppm: ideal_error.wrong_ppm,
-            },
+            shadow: ShadowReport { error: truth.judge(&values, &geometry), ideal_wrong_ppm: ideal_error.wrong_ppm },
             ideal: ideal_error,
         }
     }
@@ -161,10 +131,5 @@ pub fn light_for(scene: &Scene, position: Vec3) -> PointLight {
     let (low, high) = scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ONE));
     let farthest = (low - position).abs().max((high - position).abs()).length();
     let range = 1.01 * farthest.max(1e-6);
-    PointLight {
-        position,
-        range,
-        near: range * 1e-5,
-        ..Default::default()
-    }
+    PointLight { position, range, near: range * 1e-5, ..Default::default() }
 }

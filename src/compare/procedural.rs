@@ -56,11 +56,7 @@ pub fn hall() -> Scene {
 /// A view of [`hall`] along its length that has the lamp, both figures and the railing in the picture.
 #[must_use]
 pub fn hall_camera() -> Camera {
-    Camera {
-        eye: Vec3::new(2.2, 3.1, 9.6),
-        target: Vec3::new(-0.5, 1.7, -1.0),
-        fov_y: FRAC_PI_3,
-    }
+    Camera { eye: Vec3::new(2.2, 3.1, 9.6), target: Vec3::new(-0.5, 1.7, -1.0), fov_y: FRAC_PI_3 }
 }
 
 /// A room of 20 x 8 x 20 with 30 large boxes around the light, 372 triangles in all: casters that span much of a map.
@@ -75,13 +71,7 @@ pub fn few_large() -> Scene {
     for k in 0..30 {
         let size = Vec3::from_array(std::array::from_fn(|_| room.random.random_range(0.8..2.8)));
         let transform = Affine3A::from_scale(size);
-        room.scatter(
-            boxes[k % boxes.len()],
-            transform,
-            light,
-            size.length() / 2.0 + 0.5,
-            (low, high),
-        );
+        room.scatter(boxes[k % boxes.len()], transform, light, size.length() / 2.0 + 0.5, (low, high));
     }
     room.light(light, 40.0);
     room.scene
@@ -126,14 +116,9 @@ pub fn dense(triangles: usize) -> Scene {
     let stacks = (((1.0 + (per_sphere as f64 + 1.0).sqrt()) / 2.0).round() as u32).max(2);
     let meshes = [TERRACOTTA, TEAL, OCHRE, MARBLE].map(|color| {
         let phase = room.random.random_range(0.0..f64::from(TAU));
-        room.mesh(
-            shapes::displaced_sphere(2 * stacks, stacks, |at| bumps(at, phase)),
-            color,
-        )
+        room.mesh(shapes::displaced_sphere(2 * stacks, stacks, |at| bumps(at, phase)), color)
     });
-    let spheres = (triangles as f64 / f64::from(4 * stacks * (stacks - 1)))
-        .round()
-        .max(1.0) as usize;
+    let spheres = (triangles as f64 / f64::from(4 * stacks * (stacks - 1))).round().max(1.0) as usize;
     for k in 0..spheres {
         let size = room.random.random_range(0.8..2.0);
         let transform = room.turned(size);
@@ -164,13 +149,7 @@ pub fn long_hall() -> Scene {
     for k in 0..60 {
         let size = hall.random.random_range(0.5..1.3);
         let transform = hall.turned(size);
-        hall.scatter(
-            props[k % props.len()],
-            transform,
-            light,
-            1.5,
-            (low, Vec3::new(high.x, 3.0, high.z)),
-        );
+        hall.scatter(props[k % props.len()], transform, light, 1.5, (low, Vec3::new(high.x, 3.0, high.z)));
     }
     hall.light(light, 110.0);
     hall.scene
@@ -178,28 +157,15 @@ pub fn long_hall() -> Scene {
 
 impl Builder {
     fn new(name: &str, seed: u64) -> Self {
-        Self {
-            scene: Scene {
-                name: name.to_owned(),
-                ..Scene::default()
-            },
-            random: Pcg64::seed_from_u64(seed),
-        }
+        Self { scene: Scene { name: name.to_owned(), ..Scene::default() }, random: Pcg64::seed_from_u64(seed) }
     }
 
     /// Adds a mesh in a plain color, and returns its index.
     fn mesh(&mut self, mesh: SceneMesh, color: [f32; 3]) -> usize {
         let base_color = [color[0], color[1], color[2], 1.0];
-        let known = self
-            .scene
-            .materials
-            .iter()
-            .position(|material| material.base_color == base_color);
+        let known = self.scene.materials.iter().position(|material| material.base_color == base_color);
         let material = known.unwrap_or_else(|| {
-            self.scene.materials.push(Material {
-                base_color,
-                ..Material::default()
-            });
+            self.scene.materials.push(Material { base_color, ..Material::default() });
             self.scene.materials.len() - 1
         });
         self.scene.meshes.push(SceneMesh { material, ..mesh });
@@ -215,12 +181,7 @@ impl Builder {
     }
 
     fn light(&mut self, position: Vec3, range: f32) {
-        self.scene.lights.push(SceneLight {
-            position,
-            color: [1.0, 0.90, 0.76],
-            intensity: 60.0,
-            range: Some(range),
-        });
+        self.scene.lights.push(SceneLight { position, color: [1.0, 0.90, 0.76], intensity: 60.0, range: Some(range) });
     }
 
     /// A rotation chosen at random, evenly enough for props, with a uniform scale.
@@ -236,9 +197,7 @@ impl Builder {
     fn scatter(&mut self, mesh: usize, transform: Affine3A, light: Vec3, clearance: f32, bounds: (Vec3, Vec3)) {
         let (low, high) = bounds;
         let at = loop {
-            let at = Vec3::from_array(std::array::from_fn(|axis| {
-                self.random.random_range(low[axis]..high[axis])
-            }));
+            let at = Vec3::from_array(std::array::from_fn(|axis| self.random.random_range(low[axis]..high[axis])));
             if at.distance(light) > clearance {
                 break at;
             }
@@ -248,11 +207,7 @@ impl Builder {
 
     /// Floor, ceiling and four walls that face inwards, two triangles each.
     fn room(&mut self, low: Vec3, high: Vec3) {
-        let (x, y, z) = (
-            Vec3::X * (high.x - low.x),
-            Vec3::Y * (high.y - low.y),
-            Vec3::Z * (high.z - low.z),
-        );
+        let (x, y, z) = (Vec3::X * (high.x - low.x), Vec3::Y * (high.y - low.y), Vec3::Z * (high.z - low.z));
         let sides = [
             (low, z, x, STONE),
             (high, -x, -z, CEILING),
@@ -277,15 +232,9 @@ impl Builder {
     }
 
     fn figures(&mut self) {
-        let pedestal = self.mesh(
-            shapes::cuboid(Vec3::new(-0.6, 0.0, -0.6), Vec3::new(0.6, 0.8, 0.6)),
-            SLATE,
-        );
+        let pedestal = self.mesh(shapes::cuboid(Vec3::new(-0.6, 0.0, -0.6), Vec3::new(0.6, 0.8, 0.6)), SLATE);
         let knot = self.mesh(shapes::torus_knot(0.62, 1024, 48), TEAL);
-        let blob = self.mesh(
-            shapes::displaced_sphere(144, 72, |at| 0.55 * bumps(at, 0.7)),
-            TERRACOTTA,
-        );
+        let blob = self.mesh(shapes::displaced_sphere(144, 72, |at| 0.55 * bumps(at, 0.7)), TERRACOTTA);
         let (left, right) = (Vec3::new(-2.5, 0.0, 3.4), Vec3::new(2.6, 0.0, -3.0));
         self.place(pedestal, left);
         self.place(pedestal, right);
@@ -305,10 +254,7 @@ impl Builder {
         for k in 0..=count {
             self.place(bar, from.lerp(to, k as f32 / count as f32) + Vec3::Z * z);
         }
-        let grip = self.mesh(
-            shapes::cuboid(from + Vec3::new(0.0, 1.0, -0.03), to + Vec3::new(0.0, 1.04, 0.03)),
-            IRON,
-        );
+        let grip = self.mesh(shapes::cuboid(from + Vec3::new(0.0, 1.0, -0.03), to + Vec3::new(0.0, 1.04, 0.03)), IRON);
         self.place(grip, Vec3::Z * z);
     }
 }
@@ -319,11 +265,7 @@ fn pillar(radius: f32, height: f32) -> SceneMesh {
     let block = shapes::cuboid(Vec3::new(-half, 0.0, -half), Vec3::new(half, 0.3, half));
     let mut pillar = SceneMesh::default();
     shapes::append(&mut pillar, &block, Affine3A::IDENTITY);
-    shapes::append(
-        &mut pillar,
-        &block,
-        Affine3A::from_translation(Vec3::Y * (height - 0.3)),
-    );
+    shapes::append(&mut pillar, &block, Affine3A::from_translation(Vec3::Y * (height - 0.3)));
     let shaft = shapes::cylinder(radius, height - 0.6, 32);
     shapes::append(&mut pillar, &shaft, Affine3A::from_translation(Vec3::Y * 0.3));
     pillar
@@ -367,28 +309,13 @@ mod tests {
         for scene in all() {
             let (low, high) = scene.bounds().expect("the scene is not empty");
             for light in &scene.lights {
-                assert!(
-                    light.position.cmpgt(low).all() && light.position.cmplt(high).all(),
-                    "{}",
-                    scene.name
-                );
+                assert!(light.position.cmpgt(low).all() && light.position.cmplt(high).all(), "{}", scene.name);
             }
             assert_eq!(scene.lights.len(), 1, "{}", scene.name);
             for mesh in &scene.meshes {
                 assert!(mesh.material < scene.materials.len(), "{}", scene.name);
-                assert!(
-                    mesh.indices
-                        .iter()
-                        .all(|&index| (index as usize) < mesh.positions.len()),
-                    "{}",
-                    scene.name
-                );
-                assert_eq!(
-                    mesh.normals.as_ref().map(Vec::len),
-                    Some(mesh.positions.len()),
-                    "{}",
-                    scene.name
-                );
+                assert!(mesh.indices.iter().all(|&index| (index as usize) < mesh.positions.len()), "{}", scene.name);
+                assert_eq!(mesh.normals.as_ref().map(Vec::len), Some(mesh.positions.len()), "{}", scene.name);
             }
         }
     }
@@ -405,12 +332,8 @@ mod tests {
         let scene = hall();
         let (low, high) = scene.bounds().expect("the hall is not empty");
         assert_eq!(high - low, Vec3::new(15.0, 6.0, 25.0));
-        let figures: Vec<_> = scene
-            .meshes
-            .iter()
-            .map(SceneMesh::triangle_count)
-            .filter(|&count| count > 20_000)
-            .collect();
+        let figures: Vec<_> =
+            scene.meshes.iter().map(SceneMesh::triangle_count).filter(|&count| count > 20_000).collect();
         assert_eq!(figures.iter().sum::<usize>(), 118_752);
     }
 
@@ -441,10 +364,7 @@ mod tests {
         for scene in all() {
             let light = scene.lights[0].position.as_dvec3();
             let corners = scene.world_triangles().corners.into_flattened();
-            let nearest = corners
-                .iter()
-                .map(|corner| corner.distance(light))
-                .fold(f64::MAX, f64::min);
+            let nearest = corners.iter().map(|corner| corner.distance(light)).fold(f64::MAX, f64::min);
             assert!(nearest > 0.35, "{}: {nearest}", scene.name);
         }
     }

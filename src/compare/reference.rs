@@ -104,27 +104,17 @@ impl Reference {
     /// When `sides` has another length than `triangles`, or there are more than 2^31 triangles.
     #[must_use]
     pub fn new(triangles: &[[DVec3; 3]], sides: Option<&[Sides]>, light_position: DVec3) -> Self {
-        assert!(
-            sides.is_none_or(|sides| sides.len() == triangles.len()),
-            "one entry of `sides` a triangle"
-        );
+        assert!(sides.is_none_or(|sides| sides.len() == triangles.len()), "one entry of `sides` a triangle");
         assert!(triangles.len() < LEAF as usize, "at most 2^31 triangles");
-        let triangles: Vec<[DVec3; 3]> = triangles
-            .par_iter()
-            .map(|corners| corners.map(|corner| corner - light_position))
-            .collect();
+        let triangles: Vec<[DVec3; 3]> =
+            triangles.par_iter().map(|corners| corners.map(|corner| corner - light_position)).collect();
         let casters: Vec<u32> = (0..triangles.len())
             .into_par_iter()
             .filter(|&i| casts(&triangles[i], sides.map_or(Sides::Both, |sides| sides[i])))
             .map(|i| i as u32)
             .collect();
         let (nodes, depth) = build_tree(&triangles, &casters);
-        Self {
-            light_position,
-            triangles,
-            nodes,
-            depth,
-        }
+        Self { light_position, triangles, nodes, depth }
     }
 
     /// The light's position in the world.
@@ -256,11 +246,7 @@ fn casts(corners: &[DVec3; 3], sides: Sides) -> bool {
 /// included. `None` too for a triangle that lies in a plane with the ray: it has no width.
 fn intersect(corners: &[DVec3; 3], direction: DVec3) -> Option<f64> {
     let [a, b, c] = *corners;
-    let products = [
-        a.cross(b).dot(direction),
-        b.cross(c).dot(direction),
-        c.cross(a).dot(direction),
-    ];
+    let products = [a.cross(b).dot(direction), b.cross(c).dot(direction), c.cross(a).dot(direction)];
     if !one_sign(products) && !one_sign_within_rounding(products, corners) {
         return None;
     }
@@ -270,10 +256,7 @@ fn intersect(corners: &[DVec3; 3], direction: DVec3) -> Option<f64> {
         return None;
     }
     let along = corners.map(|corner| corner.dot(direction));
-    let (nearest, farthest) = (
-        along[0].min(along[1]).min(along[2]),
-        along[0].max(along[1]).max(along[2]),
-    );
+    let (nearest, farthest) = (along[0].min(along[1]).min(along[2]), along[0].max(along[1]).max(along[2]));
     // The clamp binds for triangles seen almost edge-on, where the quotient is mostly rounding error.
     let t = (normal.dot(a) / slope).clamp(nearest, farthest);
     (t > 0.0).then_some(t)
@@ -288,24 +271,18 @@ fn one_sign_within_rounding(products: [f64; 3], corners: &[DVec3; 3]) -> bool {
     let squares = corners.map(DVec3::length_squared);
     let rounded: [f64; 3] = std::array::from_fn(|i| {
         let bound = TRIPLE_PRODUCT_ERROR * TRIPLE_PRODUCT_ERROR * squares[i] * squares[(i + 1) % 3];
-        if products[i] * products[i] <= bound {
-            0.0
-        } else {
-            products[i]
-        }
+        if products[i] * products[i] <= bound { 0.0 } else { products[i] }
     });
     one_sign(rounded)
 }
 
 /// Componentwise inverse of a direction, with infinity replaced by a number that can still be multiplied by zero.
 fn finite_inverse(direction: DVec3) -> Vec3 {
-    direction.as_vec3().map(|component| {
-        if component.abs() < 1e-30 {
-            1e30_f32.copysign(component)
-        } else {
-            1.0 / component
-        }
-    })
+    direction.as_vec3().map(
+        |component| {
+            if component.abs() < 1e-30 { 1e30_f32.copysign(component) } else { 1.0 / component }
+        },
+    )
 }
 
 /// Marks a child as a triangle in place of a node.
@@ -328,10 +305,7 @@ impl Bounds {
     fn new(bounds: &Aabb<f64, 3>) -> Self {
         let corner =
             |point: &Point3<f64>, round: fn(f64) -> f32| Vec3::new(round(point.x), round(point.y), round(point.z));
-        Self {
-            min: corner(&bounds.min, round_down),
-            max: corner(&bounds.max, round_up),
-        }
+        Self { min: corner(&bounds.min, round_down), max: corner(&bounds.max, round_up) }
     }
 
     /// Distance at which the ray from the origin enters the box, if it does at `t_max` at the latest. A lower bound.
@@ -347,11 +321,7 @@ impl Bounds {
 
 fn round_down(x: f64) -> f32 {
     let rounded = x as f32;
-    if f64::from(rounded) > x {
-        rounded.next_down()
-    } else {
-        rounded
-    }
+    if f64::from(rounded) > x { rounded.next_down() } else { rounded }
 }
 
 fn round_up(x: f64) -> f32 {
@@ -386,16 +356,10 @@ impl Shape {
 
 /// The tree over the casters, and its depth. The first node is the root; no nodes without casters.
 fn build_tree(triangles: &[[DVec3; 3]], casters: &[u32]) -> (Vec<Node>, usize) {
-    let mut shapes: Vec<Shape> = casters
-        .par_iter()
-        .map(|&i| Shape::new(&triangles[i as usize]))
-        .collect();
+    let mut shapes: Vec<Shape> = casters.par_iter().map(|&i| Shape::new(&triangles[i as usize])).collect();
     if let [shape] = shapes.as_slice() {
         // The crate's tree would be a leaf alone; as both children of a node it needs no case of its own.
-        let node = Node {
-            boxes: [Bounds::new(&shape.0); 2],
-            children: [LEAF | casters[0]; 2],
-        };
+        let node = Node { boxes: [Bounds::new(&shape.0); 2], children: [LEAF | casters[0]; 2] };
         return (vec![node], 1);
     }
     let tree = Bvh::build_par(&mut shapes);
@@ -419,14 +383,7 @@ fn pack(tree: &[BvhNode<f64, 3>], casters: &[u32]) -> (Vec<Node>, usize) {
     let mut levels = vec![0_u32; tree.len()];
     let mut nodes = Vec::with_capacity(inner as usize);
     for (index, node) in tree.iter().enumerate() {
-        if let BvhNode::Node {
-            child_l_index: l,
-            child_r_index: r,
-            child_l_aabb,
-            child_r_aabb,
-            ..
-        } = node
-        {
+        if let BvhNode::Node { child_l_index: l, child_r_index: r, child_l_aabb, child_r_aabb, .. } = node {
             levels[*l] = levels[index] + 1;
             levels[*r] = levels[index] + 1;
             nodes.push(Node {
@@ -463,17 +420,10 @@ mod tests {
     }
 
     fn nearest_by_brute_force(reference: &Reference, direction: DVec3, t_min: f64) -> Option<Hit> {
-        let hits = (0..)
-            .zip(reference.triangles())
-            .filter(|(_, corners)| casts(corners, Sides::Both));
-        hits.filter_map(|(triangle, corners)| {
-            Some(Hit {
-                t: intersect(corners, direction)?,
-                triangle,
-            })
-        })
-        .filter(|hit| hit.t >= t_min)
-        .min_by(|one, other| one.t.total_cmp(&other.t))
+        let hits = (0..).zip(reference.triangles()).filter(|(_, corners)| casts(corners, Sides::Both));
+        hits.filter_map(|(triangle, corners)| Some(Hit { t: intersect(corners, direction)?, triangle }))
+            .filter(|hit| hit.t >= t_min)
+            .min_by(|one, other| one.t.total_cmp(&other.t))
     }
 
     #[test]
@@ -484,11 +434,7 @@ mod tests {
             for _ in 0..1000 {
                 let (direction, t_min) = (random_direction(&mut random), random.random_range(-2.0..2.0));
                 let expected = nearest_by_brute_force(&reference, direction, t_min);
-                assert_eq!(
-                    reference.nearest(direction, t_min),
-                    expected,
-                    "{count} {direction} {t_min}"
-                );
+                assert_eq!(reference.nearest(direction, t_min), expected, "{count} {direction} {t_min}");
             }
         }
     }
@@ -506,11 +452,7 @@ mod tests {
             let Some(first) = first else { continue };
             let second =
                 nearest_by_brute_force(&reference, direction, first.t.next_up()).filter(|hit| hit.t < distance);
-            assert_eq!(
-                reference.occluded(target, Some(first.triangle), 0.1, 0.0),
-                second.is_some(),
-                "{target}"
-            );
+            assert_eq!(reference.occluded(target, Some(first.triangle), 0.1, 0.0), second.is_some(), "{target}");
             dark += 1;
         }
         assert!((1000..9000).contains(&dark), "{dark}");
@@ -522,10 +464,7 @@ mod tests {
         let mut random = Pcg64::seed_from_u64(3);
         let mut hits = 0;
         // Those with no area but what rounding gives them are left out.
-        for corners in soup(&mut random, 100_000)
-            .iter()
-            .filter(|corners| normal(corners).length() > 1e-9)
-        {
+        for corners in soup(&mut random, 100_000).iter().filter(|corners| normal(corners).length() > 1e-9) {
             let weights = [random.random_range(-0.5..1.5), random.random_range(-0.5..1.5)];
             let inside = weights[0] > 0.0 && weights[1] > 0.0 && weights[0] + weights[1] < 1.0;
             let [a, b, c] = *corners;
@@ -534,11 +473,7 @@ mod tests {
             assert_eq!(t.is_some(), inside, "{corners:?} {weights:?}");
             if let Some(t) = t {
                 let slope = (normal(corners).normalize().dot(point.normalize())).abs();
-                assert!(
-                    (t - point.length()).abs() < 1e-13 * (1.0 + a.length()) / slope,
-                    "{t} {}",
-                    point.length()
-                );
+                assert!((t - point.length()).abs() < 1e-13 * (1.0 + a.length()) / slope, "{t} {}", point.length());
                 hits += 1;
             }
         }
@@ -554,10 +489,7 @@ mod tests {
             let turn = DQuat::from_scaled_axis(random_vector(&mut random) * 3.0);
             let size = DVec3::from_array(std::array::from_fn(|_| 10.0_f64.powf(random.random_range(-2.0..2.0))));
             let light = random_vector(&mut random) * size * 0.9;
-            let triangles: Vec<_> = box_triangles(-size, size)
-                .iter()
-                .map(|t| t.map(|corner| turn * corner))
-                .collect();
+            let triangles: Vec<_> = box_triangles(-size, size).iter().map(|t| t.map(|corner| turn * corner)).collect();
             let reference = Reference::new(&triangles, None, turn * light);
             for corners in reference.triangles() {
                 for i in 0..3 {
@@ -565,11 +497,7 @@ mod tests {
                     for point in [corners[i], corners[i].lerp(corners[(i + 1) % 3], share)] {
                         let hit = reference.nearest(point.normalize(), 0.0);
                         let t = hit.expect("a closed box was left").t;
-                        assert!(
-                            (t - point.length()).abs() < 1e-6 * point.length(),
-                            "{t} {}",
-                            point.length()
-                        );
+                        assert!((t - point.length()).abs() < 1e-6 * point.length(), "{t} {}", point.length());
                     }
                 }
             }
@@ -588,10 +516,7 @@ mod tests {
         let round = |p: DVec3| (p * 1024.0).round() / 1024.0;
         let near: Vec<_> = triangles.iter().map(|t| t.map(round)).collect();
         let far: Vec<_> = near.iter().map(|t| t.map(|corner| corner + offset)).collect();
-        let (near, far) = (
-            Reference::new(&near, None, DVec3::ZERO),
-            Reference::new(&far, None, offset),
-        );
+        let (near, far) = (Reference::new(&near, None, DVec3::ZERO), Reference::new(&far, None, offset));
         for _ in 0..1000 {
             let direction = random_direction(&mut random);
             assert_eq!(near.nearest(direction, 0.0), far.nearest(direction, 0.0));
@@ -600,16 +525,10 @@ mod tests {
 
     #[test]
     fn single_sided_triangles_cast_only_with_their_front() {
-        let facing = [
-            DVec3::new(-1.0, -1.0, -2.0),
-            DVec3::new(1.0, -1.0, -2.0),
-            DVec3::new(0.0, 1.0, -2.0),
-        ];
+        let facing = [DVec3::new(-1.0, -1.0, -2.0), DVec3::new(1.0, -1.0, -2.0), DVec3::new(0.0, 1.0, -2.0)];
         let turned_away = [facing[0], facing[2], facing[1]];
         let hits = |triangle, sides| {
-            Reference::new(&[triangle], Some(&[sides]), DVec3::ZERO)
-                .nearest(DVec3::NEG_Z, 0.0)
-                .is_some()
+            Reference::new(&[triangle], Some(&[sides]), DVec3::ZERO).nearest(DVec3::NEG_Z, 0.0).is_some()
         };
         assert!(hits(facing, Sides::Front) && hits(facing, Sides::Both) && hits(turned_away, Sides::Both));
         assert!(!hits(turned_away, Sides::Front));
@@ -617,27 +536,12 @@ mod tests {
 
     #[test]
     fn a_surface_that_the_target_lies_on_does_not_occlude_it() {
-        let wall = |z: f64| {
-            [
-                DVec3::new(-1.0, -1.0, z),
-                DVec3::new(1.0, -1.0, z),
-                DVec3::new(0.0, 1.0, z),
-            ]
-        };
+        let wall = |z: f64| [DVec3::new(-1.0, -1.0, z), DVec3::new(1.0, -1.0, z), DVec3::new(0.0, 1.0, z)];
         let reference = Reference::new(&[wall(-2.0), wall(-2.0 + 1e-4)], None, DVec3::ZERO);
         let target = DVec3::new(0.1, 0.1, -2.0);
-        assert!(
-            reference.occluded(target, Some(0), 0.0, 0.9e-4),
-            "a gap wider than the slack"
-        );
-        assert!(
-            !reference.occluded(target, Some(0), 0.0, 1.1e-4),
-            "a gap narrower than the slack"
-        );
-        assert!(
-            !reference.occluded(target, Some(1), 0.0, 1e-12),
-            "its own triangle's twin at the same place"
-        );
+        assert!(reference.occluded(target, Some(0), 0.0, 0.9e-4), "a gap wider than the slack");
+        assert!(!reference.occluded(target, Some(0), 0.0, 1.1e-4), "a gap narrower than the slack");
+        assert!(!reference.occluded(target, Some(1), 0.0, 1e-12), "its own triangle's twin at the same place");
     }
 
     /// Deep trees: triangles along a line whose sizes and places shrink by halves.
@@ -685,16 +589,8 @@ mod tests {
             let start = std::time::Instant::now();
             let reference = Reference::new(&scene, None, DVec3::ZERO);
             let built = start.elapsed().as_secs_f64();
-            let view = View {
-                position: DVec3::ZERO,
-                orientation: DQuat::IDENTITY,
-                near: 0.01,
-                range: f64::INFINITY,
-            };
-            let geometry = crate::compare::ideal::MapGeometry {
-                resolution: 1024,
-                guard: 0.02,
-            };
+            let view = View { position: DVec3::ZERO, orientation: DQuat::IDENTITY, near: 0.01, range: f64::INFINITY };
+            let geometry = crate::compare::ideal::MapGeometry { resolution: 1024, guard: 0.02 };
             let start = std::time::Instant::now();
             let map = crate::compare::ideal::ideal_map(&reference, &view, geometry);
             let cast = start.elapsed().as_secs_f64();
@@ -705,10 +601,7 @@ mod tests {
                 (0..1_000_000).map(|_| random_direction(&mut random) * 7.0).collect()
             };
             let start = std::time::Instant::now();
-            let dark = random
-                .par_iter()
-                .filter(|&&target| reference.occluded(target, None, 0.01, 0.0))
-                .count();
+            let dark = random.par_iter().filter(|&&target| reference.occluded(target, None, 0.01, 0.0)).count();
             let segment_rate = random.len() as f64 / start.elapsed().as_secs_f64();
             println!(
                 "{triangles} triangles, depth {}: built in {built:.2} s, {:.2} M map rays/s, {:.2} M segments/s ({dark})",

@@ -183,10 +183,7 @@ impl Scene {
     /// Number of drawn triangles, instances counted.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
-        self.instances
-            .iter()
-            .map(|instance| self.meshes[instance.mesh].triangle_count())
-            .sum()
+        self.instances.iter().map(|instance| self.meshes[instance.mesh].triangle_count()).sum()
     }
 
     /// All drawn triangles in world space, in the order of the instances and then of the mesh's indices.
@@ -204,10 +201,7 @@ impl Scene {
         for (index, instance) in (0_u32..).zip(&self.instances) {
             let mesh = &self.meshes[instance.mesh];
             let world = world_positions(mesh, instance.transform);
-            let corners = mesh
-                .indices
-                .chunks_exact(3)
-                .map(|corner| [0, 1, 2].map(|k| world[corner[k] as usize]));
+            let corners = mesh.indices.chunks_exact(3).map(|corner| [0, 1, 2].map(|k| world[corner[k] as usize]));
             out.corners.extend(corners);
             out.instance.resize(out.corners.len(), index);
             out.triangle.extend(0..mesh.triangle_count() as u32);
@@ -241,10 +235,7 @@ fn world_positions(mesh: &SceneMesh, transform: Affine3A) -> Vec<DVec3> {
         transform.translation.as_dvec3(),
     );
     let to_world = |position: &[f32; 3]| transform.transform_point3(Vec3::from(*position).as_dvec3());
-    mesh.positions
-        .iter()
-        .map(|position| to_world(position).as_vec3().as_dvec3())
-        .collect()
+    mesh.positions.iter().map(|position| to_world(position).as_vec3().as_dvec3()).collect()
 }
 
 /// Why a scene did not load.
@@ -343,22 +334,10 @@ pub fn scenes_dir() -> Option<PathBuf> {
 pub const LIGHTS: &[(&str, &[[f32; 3]])] = &[
     (
         "interior_pandora.glb",
-        &[
-            [-0.24, 2.0, -1.48],
-            [-17.43, 17.2, -8.86],
-            [21.35, 17.2, 8.56],
-            [15.5, 17.2, 7.88],
-            [-15.12, 2.0, 14.09],
-        ],
+        &[[-0.24, 2.0, -1.48], [-17.43, 17.2, -8.86], [21.35, 17.2, 8.56], [15.5, 17.2, 7.88], [-15.12, 2.0, 14.09]],
     ),
-    (
-        "gallery_vr.glb",
-        &[[2.73, 1.64, -2.15], [-2.72, 1.53, 1.93], [-0.02, 3.29, -0.28]],
-    ),
-    (
-        "fog_arcade_bevy.glb",
-        &[[0.0, 3.15, 2.74], [0.27, 2.87, 1.12], [-0.05, 2.99, -0.85]],
-    ),
+    ("gallery_vr.glb", &[[2.73, 1.64, -2.15], [-2.72, 1.53, 1.93], [-0.02, 3.29, -0.28]]),
+    ("fog_arcade_bevy.glb", &[[0.0, 3.15, 2.74], [0.27, 2.87, 1.12], [-0.05, 2.99, -0.85]]),
     ("cornell_nvpro.glb", &[[-1.19, 1.16, 3.07], [0.0, 3.0, 0.0]]),
     ("town_godot.glb", &[[0.0, 12.0, 0.0]]),
     ("barn_lamp.glb", &[[0.0, -0.25, 0.15]]),

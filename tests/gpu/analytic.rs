@@ -33,10 +33,7 @@ fn assert_surface(map: &Map, light: &PointLight, surface: impl Fn(DVec3) -> (f64
         let allowed = 1e-5 + footprint * (TOLERANCE + 0.5 / 256.0) / cosine.max(footprint);
         let error = (distance(&texel, light) - expected).abs() / expected;
         worst = worst.max(error / allowed);
-        assert!(
-            texel.depth > 0.0 && error <= allowed,
-            "{texel:?}: off by {error}, {allowed} allowed"
-        );
+        assert!(texel.depth > 0.0 && error <= allowed, "{texel:?}: off by {error}, {allowed} allowed");
     }
     assert!(worst > 0.0);
 }
@@ -47,29 +44,17 @@ fn inside_a_box() {
     let mut casters = soup(&box_inside(low, high), Sides::Both);
     let orientations = [Quat::IDENTITY, Quat::from_rotation_y(0.7) * Quat::from_rotation_x(1.1)];
     for (resolution, orientation) in RESOLUTIONS.iter().flat_map(|r| orientations.map(|o| (*r, o))) {
-        let light = PointLight {
-            position: Vec3::new(0.4, 0.3, -0.2),
-            orientation,
-            range: 50.0,
-            ..Default::default()
-        };
+        let light = PointLight { position: Vec3::new(0.4, 0.3, -0.2), orientation, range: 50.0, ..Default::default() };
         let map = map(&mut casters, light, resolution);
         assert_surface(&map, &light, |d| {
             let origin = light.position.as_dvec3();
             let to = |axis: usize| {
                 let wall = if d[axis] > 0.0 { high[axis] } else { low[axis] };
-                if d[axis] == 0.0 {
-                    f64::INFINITY
-                } else {
-                    (f64::from(wall) - origin[axis]) / d[axis]
-                }
+                if d[axis] == 0.0 { f64::INFINITY } else { (f64::from(wall) - origin[axis]) / d[axis] }
             };
             let axis = (0..3).min_by(|a, b| to(*a).total_cmp(&to(*b))).unwrap();
             // Near an edge of the box either wall may be drawn: the steeper one counts.
-            let cosine = (0..3)
-                .filter(|a| to(*a) < to(axis) * 1.1)
-                .map(|a| d[a].abs())
-                .fold(1.0, f64::min);
+            let cosine = (0..3).filter(|a| to(*a) < to(axis) * 1.1).map(|a| d[a].abs()).fold(1.0, f64::min);
             (to(axis), cosine)
         });
     }
@@ -86,18 +71,13 @@ fn inside_a_sphere() {
         .collect();
     let mut casters = soup(&triangles, Sides::Both);
     for resolution in RESOLUTIONS {
-        let light = PointLight {
-            range: 50.0,
-            ..Default::default()
-        };
+        let light = PointLight { range: 50.0, ..Default::default() };
         let map = map(&mut casters, light, resolution);
         // The sphere is a polyhedron: its faces lie inside by up to the sagitta of their edges.
         let flat = (1.0 - (0.0365f64 * 0.5).cos()) * 2.0;
         for texel in map.discs() {
-            let (distance, footprint) = (
-                distance(&texel, &light),
-                double::texel_angle(texel.p.as_dvec2(), f64::from(map.texel())),
-            );
+            let (distance, footprint) =
+                (distance(&texel, &light), double::texel_angle(texel.p.as_dvec2(), f64::from(map.texel())));
             assert!(
                 distance <= 4.0 * (1.0 + 1e-5 + footprint) && distance >= 4.0 * (1.0 - flat - footprint - 1e-5),
                 "{texel:?}: {distance}"
@@ -115,17 +95,11 @@ fn above_a_plane() {
         Vec3::new(-1000.0, -2.0, 1000.0),
     );
     let mut casters = soup(&[[a, b, c], [a, c, d]], Sides::Both);
-    for orientation in [
-        Quat::IDENTITY,
-        Quat::from_rotation_x(1.5707),
-        Quat::from_rotation_z(0.3) * Quat::from_rotation_x(0.8),
-    ] {
+    for orientation in
+        [Quat::IDENTITY, Quat::from_rotation_x(1.5707), Quat::from_rotation_z(0.3) * Quat::from_rotation_x(0.8)]
+    {
         for resolution in [64, 256, 1024] {
-            let light = PointLight {
-                orientation,
-                range: 4000.0,
-                ..Default::default()
-            };
+            let light = PointLight { orientation, range: 4000.0, ..Default::default() };
             let map = map(&mut casters, light, resolution);
             for texel in map.discs() {
                 let d = direction(&texel, &light);

@@ -17,11 +17,7 @@ pub fn soup(triangles: &[[Vec3; 3]], sides: Sides) -> Casters {
     if !triangles.is_empty() {
         let positions: Vec<[f32; 3]> = triangles.iter().flatten().map(|p| p.to_array()).collect();
         let indices: Vec<u32> = (0..positions.len() as u32).collect();
-        let mesh = CasterMesh {
-            positions: &positions,
-            indices: Indices::U32(&indices),
-            sides,
-        };
+        let mesh = CasterMesh { positions: &positions, indices: Indices::U32(&indices), sides };
         let mesh = casters.add_mesh(&mesh).unwrap();
         casters.add_instance(mesh, Affine3A::IDENTITY).unwrap();
     }
@@ -30,11 +26,7 @@ pub fn soup(triangles: &[[Vec3; 3]], sides: Sides) -> Casters {
 
 /// Shadows for one light.
 pub fn descriptor(resolution: u32) -> PointShadowsDescriptor {
-    PointShadowsDescriptor {
-        resolution,
-        capacity: 1,
-        ..Default::default()
-    }
+    PointShadowsDescriptor { resolution, capacity: 1, ..Default::default() }
 }
 
 /// Shadows with one light, recorded.
@@ -81,11 +73,7 @@ pub struct Texel {
 impl Map {
     pub fn read(shadows: &PointShadows, light: LightId) -> Self {
         let resolution = shadows.maps().height();
-        Self {
-            depth: gpu().read_map(shadows, light),
-            resolution,
-            half_width: shadows.half_width(),
-        }
+        Self { depth: gpu().read_map(shadows, light), resolution, half_width: shadows.half_width() }
     }
 
     /// Width of a texel in map coordinates.
@@ -114,10 +102,7 @@ impl Map {
     /// Texels within the discs, guard band included, in which two maps differ in any bit.
     pub fn differences(&self, other: &Self) -> Vec<(Texel, f32)> {
         let pairs = self.within(self.half_width).zip(other.within(self.half_width));
-        pairs
-            .filter(|(a, b)| a.depth.to_bits() != b.depth.to_bits())
-            .map(|(a, b)| (a, b.depth))
-            .collect()
+        pairs.filter(|(a, b)| a.depth.to_bits() != b.depth.to_bits()).map(|(a, b)| (a, b.depth)).collect()
     }
 }
 
@@ -130,14 +115,7 @@ pub fn box_inside(low: Vec3, high: Vec3) -> Vec<[Vec3; 3]> {
             if k & 4 == 0 { low.z } else { high.z },
         )
     };
-    let faces = [
-        [0, 1, 3, 2],
-        [4, 6, 7, 5],
-        [0, 4, 5, 1],
-        [2, 3, 7, 6],
-        [0, 2, 6, 4],
-        [1, 5, 7, 3],
-    ];
+    let faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
     let quad = |f: [usize; 4]| {
         let [a, b, c, d] = f.map(corner);
         [[a, b, c], [a, c, d]]

@@ -42,11 +42,7 @@ fn edges() -> Vec<(Vec2, Vec2)> {
     (0..COUNT)
         .map(|i| {
             let a = point(&mut rng);
-            let b = if i % 2 == 0 {
-                point(&mut rng)
-            } else {
-                a + 0.1 * point(&mut rng)
-            };
+            let b = if i % 2 == 0 { point(&mut rng) } else { a + 0.1 * point(&mut rng) };
             if i % 17 == 0 { (a, Vec2::ZERO) } else { (a, b) }
         })
         .collect()
@@ -62,56 +58,33 @@ fn agrees(expression: &str, inputs: &[(Vec3, Vec3)], relative: f32, expected: im
     for ((a, b), value) in inputs.iter().zip(evaluate(expression, inputs)) {
         let expected = expected(*a, *b);
         let close = expected.is_nan() || (value - expected).abs() <= relative * expected.abs() + 1e-30;
-        assert!(
-            close || value == expected,
-            "{expression} of {a} and {b} is {value}, not {expected}"
-        );
+        assert!(close || value == expected, "{expression} of {a} and {b} is {value}, not {expected}");
     }
 }
 
 #[test]
 fn shader_and_rust_agree_on_points() {
-    let inputs: Vec<(Vec3, Vec3)> = points()
-        .iter()
-        .map(|p| (*p, Vec3::from_array(p.to_array().map(|x| 2.0 * x)).zxy()))
-        .collect();
+    let inputs: Vec<(Vec3, Vec3)> =
+        points().iter().map(|p| (*p, Vec3::from_array(p.to_array().map(|x| 2.0 * x)).zxy())).collect();
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
-        agrees(
-            &format!("dp_to_hemisphere(position, true).{name}"),
-            &inputs,
-            0.0,
-            |p, _| single::to_hemisphere(p, true)[axis],
-        );
-        agrees(
-            &format!("dp_to_hemisphere(position, false).{name}"),
-            &inputs,
-            0.0,
-            |p, _| p[axis],
-        );
+        agrees(&format!("dp_to_hemisphere(position, true).{name}"), &inputs, 0.0, |p, _| {
+            single::to_hemisphere(p, true)[axis]
+        });
+        agrees(&format!("dp_to_hemisphere(position, false).{name}"), &inputs, 0.0, |p, _| p[axis]);
         agrees(&format!("dp_bisect(position, normal).{name}"), &inputs, 2e-5, |p, q| {
             let middle = single::bisect(p, q);
             // The sum cancels where the ends are opposite: relative to the ends, not to the result.
-            if middle[axis].abs() < 1e-2 * p.length().max(q.length()) {
-                f32::NAN
-            } else {
-                middle[axis]
-            }
+            if middle[axis].abs() < 1e-2 * p.length().max(q.length()) { f32::NAN } else { middle[axis] }
         });
     }
-    agrees("f32(dp_is_back(position))", &inputs, 0.0, |p, _| {
-        f32::from(u8::from(single::is_back(p)))
-    });
-    agrees("dp_homogeneous_w(position)", &inputs, 1e-6, |p, _| {
-        single::homogeneous_w(p)
-    });
+    agrees("f32(dp_is_back(position))", &inputs, 0.0, |p, _| f32::from(u8::from(single::is_back(p))));
+    agrees("dp_homogeneous_w(position)", &inputs, 1e-6, |p, _| single::homogeneous_w(p));
     agrees("dp_project(position).x", &inputs, 1e-6, |p, _| single::project(p).x);
     agrees("dp_project(position).y", &inputs, 1e-6, |p, _| single::project(p).y);
     agrees("dp_depth(position, 0.01)", &inputs, 1e-6, |p, _| single::depth(p, 0.01));
     for (axis, name) in ["x", "y", "z", "w"].iter().enumerate() {
         let expression = format!("dp_clip_position(position, 0.01, 0.9).{name}");
-        agrees(&expression, &inputs, 1e-6, |p, _| {
-            single::clip_position(p, 0.01, 0.9)[axis]
-        });
+        agrees(&expression, &inputs, 1e-6, |p, _| single::clip_position(p, 0.01, 0.9)[axis]);
     }
 }
 
@@ -120,45 +93,26 @@ fn shader_and_rust_agree_on_map_coordinates() {
     let inputs: Vec<(Vec3, Vec3)> = edges().iter().map(|(a, b)| (a.extend(0.7), b.extend(-0.4))).collect();
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
         let slack = |value: f32| if value.abs() < 1e-3 { f32::NAN } else { value };
-        agrees(
-            &format!("dp_unproject_scaled(position.xy).{name}"),
-            &inputs,
-            1e-5,
-            |a, _| slack(single::unproject_scaled(a.xy())[axis]),
-        );
+        agrees(&format!("dp_unproject_scaled(position.xy).{name}"), &inputs, 1e-5, |a, _| {
+            slack(single::unproject_scaled(a.xy())[axis])
+        });
         agrees(&format!("dp_unproject(position.xy).{name}"), &inputs, 1e-5, |a, _| {
             slack(single::unproject(a.xy())[axis])
         });
     }
-    agrees("dp_solid_angle_density(position.xy)", &inputs, 1e-6, |a, _| {
-        single::solid_angle_density(a.xy())
+    agrees("dp_solid_angle_density(position.xy)", &inputs, 1e-6, |a, _| single::solid_angle_density(a.xy()));
+    agrees("dp_texel_angle(position.xy, 0.01)", &inputs, 1e-6, |a, _| single::texel_angle(a.xy(), 0.01));
+    agrees("dp_sagitta(length(position.xy - normal.xy) * 0.5, 0.9)", &inputs, 1e-5, |a, b| {
+        single::sagitta((a.xy() - b.xy()).length() * 0.5, 0.9)
     });
-    agrees("dp_texel_angle(position.xy, 0.01)", &inputs, 1e-6, |a, _| {
-        single::texel_angle(a.xy(), 0.01)
+    agrees("dp_plane_depth(normal, 2.0, position.xy, 0.01)", &inputs, 1e-3, |a, b| {
+        let depth = single::plane_depth(b, 2.0, a.xy(), 0.01);
+        if depth.abs() < 1e-4 { f32::NAN } else { depth }
     });
-    agrees(
-        "dp_sagitta(length(position.xy - normal.xy) * 0.5, 0.9)",
-        &inputs,
-        1e-5,
-        |a, b| single::sagitta((a.xy() - b.xy()).length() * 0.5, 0.9),
-    );
-    agrees(
-        "dp_plane_depth(normal, 2.0, position.xy, 0.01)",
-        &inputs,
-        1e-3,
-        |a, b| {
-            let depth = single::plane_depth(b, 2.0, a.xy(), 0.01);
-            if depth.abs() < 1e-4 { f32::NAN } else { depth }
-        },
-    );
     agrees("dp_edge_curvature(position.xy, normal.xy)", &inputs, 1e-3, |a, b| {
         let curvature = single::edge_curvature(a.xy(), b.xy());
         // The normal of an edge of no length is noise, and no edge that short is asked about.
-        if (a - b).xy().length() < 0.01 || curvature < 0.01 {
-            f32::NAN
-        } else {
-            curvature
-        }
+        if (a - b).xy().length() < 0.01 || curvature < 0.01 { f32::NAN } else { curvature }
     });
     // A decision may differ where the values compared differ by rounding, and only there.
     let decisions = evaluate("f32(dp_edge_needs_split(position.xy, normal.xy, 500.0, 0.5))", &inputs);
@@ -174,10 +128,7 @@ fn shader_and_rust_agree_on_map_coordinates() {
             assert!(!sure, "the edge from {a} to {b} is decided differently");
         }
     }
-    assert!(
-        split > 1000 && split < COUNT - 1000,
-        "{split} splits exercise both answers"
-    );
+    assert!(split > 1000 && split < COUNT - 1000, "{split} splits exercise both answers");
     assert!(differing < 10, "{differing} decisions differ");
 }
 
@@ -188,21 +139,12 @@ fn single_precision_follows_double() {
         let w = f64::from(single::homogeneous_w(p));
         assert!((w - exact).abs() <= 4e-7 * exact, "w of {p} is {w}, not {exact}");
         let (x, exact) = (single::project(p).as_dvec2(), double::project(p.as_dvec3()));
-        assert!(
-            (x - exact).length() <= 1e-6 * exact.length().max(1e-30),
-            "{p} is projected to {x}, not {exact}"
-        );
+        assert!((x - exact).length() <= 1e-6 * exact.length().max(1e-30), "{p} is projected to {x}, not {exact}");
     }
     for (a, b) in edges() {
-        let (k, exact) = (
-            f64::from(single::edge_curvature(a, b)),
-            double::edge_curvature(a.as_dvec2(), b.as_dvec2()),
-        );
+        let (k, exact) = (f64::from(single::edge_curvature(a, b)), double::edge_curvature(a.as_dvec2(), b.as_dvec2()));
         if (a - b).length() > 0.01 {
-            assert!(
-                (k - exact).abs() < 1e-4,
-                "the curvature from {a} to {b} is {k}, not {exact}"
-            );
+            assert!((k - exact).abs() < 1e-4, "the curvature from {a} to {b} is {k}, not {exact}");
         }
     }
 }
@@ -246,10 +188,7 @@ fn an_edge_is_a_circle_and_its_sagitta_the_gap() {
         let gap = (middle - pa).perp_dot(chord).abs() / chord.length();
         let curvature = double::edge_curvature(pa, pb);
         let (centre, radius) = double::edge_arc(a, b);
-        assert!(
-            (radius * curvature - 1.0).abs() < 1e-6 || radius > 1e6,
-            "{radius} and {curvature}"
-        );
+        assert!((radius * curvature - 1.0).abs() < 1e-6 || radius > 1e6, "{radius} and {curvature}");
         if radius < 1e3 {
             let off = (middle.distance(centre) - radius).abs();
             assert!(off < 1e-9 * radius, "the middle of the edge is off its circle by {off}");
@@ -257,14 +196,8 @@ fn an_edge_is_a_circle_and_its_sagitta_the_gap() {
         // The angle's middle isn't the arc's middle, so the gap there is at most the sagitta.
         if chord.length() * curvature < 1.9 {
             let sagitta = double::sagitta(chord.length(), curvature);
-            assert!(
-                gap <= sagitta * (1.0 + 1e-6) + 1e-9,
-                "gap {gap}, sagitta {sagitta} from {pa} to {pb}"
-            );
-            assert!(
-                gap >= sagitta * 0.4 - 1e-9 || chord.length() > 0.5,
-                "gap {gap}, sagitta {sagitta}"
-            );
+            assert!(gap <= sagitta * (1.0 + 1e-6) + 1e-9, "gap {gap}, sagitta {sagitta} from {pa} to {pb}");
+            assert!(gap >= sagitta * 0.4 - 1e-9 || chord.length() > 0.5, "gap {gap}, sagitta {sagitta}");
         }
     }
 }
@@ -305,10 +238,7 @@ fn no_edge_within_the_angle_limit_bends_more_than_the_tolerance() {
         let b = double::project(turn * a);
         if b.length() <= 1.0 {
             let gap = double::sagitta(p.distance(b), double::edge_curvature(p, b)) * texels;
-            assert!(
-                gap <= tolerance * 1.1,
-                "a gap of {gap} texels for a tolerance of {tolerance}"
-            );
+            assert!(gap <= tolerance * 1.1, "a gap of {gap} texels for a tolerance of {tolerance}");
         }
     }
 }

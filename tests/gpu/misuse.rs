@@ -7,57 +7,24 @@ use glam::{Affine3A, Quat, Vec3};
 const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
 
 fn mesh<'a>(positions: &'a [[f32; 3]], indices: &'a [u32]) -> CasterMesh<'a> {
-    CasterMesh {
-        positions,
-        indices: Indices::U32(indices),
-        sides: Sides::Auto,
-    }
+    CasterMesh { positions, indices: Indices::U32(indices), sides: Sides::Auto }
 }
 
 #[test]
 fn meshes() {
     let mut casters = Casters::new(&gpu().device);
     let mut add = |positions: &[[f32; 3]], indices: &[u32]| casters.add_mesh(&mesh(positions, indices));
-    assert_eq!(
-        add(&[], &[]),
-        Err(Error::EmptyMesh {
-            positions: 0,
-            indices: 0
-        })
-    );
-    assert_eq!(
-        add(&TRIANGLE, &[]),
-        Err(Error::EmptyMesh {
-            positions: 3,
-            indices: 0
-        })
-    );
+    assert_eq!(add(&[], &[]), Err(Error::EmptyMesh { positions: 0, indices: 0 }));
+    assert_eq!(add(&TRIANGLE, &[]), Err(Error::EmptyMesh { positions: 3, indices: 0 }));
     assert_eq!(add(&TRIANGLE, &[0, 1, 2, 0]), Err(Error::IndexCount { count: 4 }));
-    assert_eq!(
-        add(&TRIANGLE, &[0, 1, 3]),
-        Err(Error::IndexOutOfRange {
-            index: 3,
-            place: 2,
-            positions: 3
-        })
-    );
+    assert_eq!(add(&TRIANGLE, &[0, 1, 3]), Err(Error::IndexOutOfRange { index: 3, place: 2, positions: 3 }));
     let broken = [[0.0, f32::NAN, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
-    assert!(matches!(
-        add(&broken, &[0, 1, 2]),
-        Err(Error::PositionNotFinite { vertex: 0, .. })
-    ));
+    assert!(matches!(add(&broken, &[0, 1, 2]), Err(Error::PositionNotFinite { vertex: 0, .. })));
     let broken = [[0.0, 0.0, 1.0], [1.0, f32::INFINITY, 1.0], [0.0, 1.0, 1.0]];
-    assert!(matches!(
-        add(&broken, &[0, 1, 2]),
-        Err(Error::PositionNotFinite { vertex: 1, .. })
-    ));
+    assert!(matches!(add(&broken, &[0, 1, 2]), Err(Error::PositionNotFinite { vertex: 1, .. })));
     assert_eq!(casters.triangle_count(), 0);
     let short: [u16; 3] = [0, 1, 2];
-    let sixteen = CasterMesh {
-        positions: &TRIANGLE,
-        indices: Indices::U16(&short),
-        sides: Sides::Auto,
-    };
+    let sixteen = CasterMesh { positions: &TRIANGLE, indices: Indices::U16(&short), sides: Sides::Auto };
     assert!(casters.add_mesh(&sixteen).is_ok());
 }
 
@@ -68,29 +35,17 @@ fn handles_and_transforms() {
     let instance = casters.add_instance(id, Affine3A::IDENTITY).unwrap();
     assert_eq!(casters.triangle_count(), 1);
     let broken = Affine3A::from_scale(Vec3::splat(f32::NAN));
-    assert!(matches!(
-        casters.set_transform(instance, broken),
-        Err(Error::TransformNotFinite { .. })
-    ));
+    assert!(matches!(casters.set_transform(instance, broken), Err(Error::TransformNotFinite { .. })));
     let huge = Affine3A::from_scale(Vec3::splat(3e38)) * Affine3A::from_translation(Vec3::splat(3.0));
-    assert!(matches!(
-        casters.set_transform(instance, huge),
-        Err(Error::TransformNotFinite { .. })
-    ));
+    assert!(matches!(casters.set_transform(instance, huge), Err(Error::TransformNotFinite { .. })));
     assert_eq!(casters.remove_mesh(id), Err(Error::MeshInUse { instances: 1 }));
     let mut other = Casters::new(&gpu().device);
-    assert!(matches!(
-        other.add_instance(id, Affine3A::IDENTITY),
-        Err(Error::StaleHandle { what: "mesh", .. })
-    ));
+    assert!(matches!(other.add_instance(id, Affine3A::IDENTITY), Err(Error::StaleHandle { what: "mesh", .. })));
     casters.remove_instance(instance).unwrap();
     let stale = casters.remove_instance(instance).unwrap_err();
     assert!(matches!(stale, Error::StaleHandle { what: "instance", .. }), "{stale}");
     let again = casters.add_instance(id, Affine3A::IDENTITY).unwrap();
-    assert!(
-        casters.set_transform(instance, Affine3A::IDENTITY).is_err(),
-        "an old handle came alive again"
-    );
+    assert!(casters.set_transform(instance, Affine3A::IDENTITY).is_err(), "an old handle came alive again");
     casters.remove_instance(again).unwrap();
     casters.remove_mesh(id).unwrap();
     assert!(casters.add_instance(id, Affine3A::IDENTITY).is_err());
@@ -105,29 +60,11 @@ fn lights() {
     let good = PointLight::default();
     let (mut shadows, id) = record(shadows, &mut casters, good);
     let wrong = [
-        (
-            "position",
-            PointLight {
-                position: Vec3::new(0.0, f32::NAN, 0.0),
-                ..good
-            },
-        ),
-        (
-            "orientation",
-            PointLight {
-                orientation: Quat::from_xyzw(1.0, 1.0, 0.0, 0.0),
-                ..good
-            },
-        ),
+        ("position", PointLight { position: Vec3::new(0.0, f32::NAN, 0.0), ..good }),
+        ("orientation", PointLight { orientation: Quat::from_xyzw(1.0, 1.0, 0.0, 0.0), ..good }),
         ("range", PointLight { range: 0.0, ..good }),
         ("range", PointLight { range: -1.0, ..good }),
-        (
-            "range",
-            PointLight {
-                range: f32::INFINITY,
-                ..good
-            },
-        ),
+        ("range", PointLight { range: f32::INFINITY, ..good }),
         ("near distance", PointLight { near: 0.0, ..good }),
         ("near distance", PointLight { near: f32::NAN, ..good }),
         ("near distance", PointLight { near: 20.0, ..good }),
@@ -148,21 +85,10 @@ fn lights() {
     shadows.set(id, good).unwrap();
     assert_eq!(count(&mut shadows), 0, "the same values made the light stale");
     shadows.remove(id).unwrap();
-    assert!(matches!(
-        shadows.set(id, good),
-        Err(Error::StaleHandle { what: "light", .. })
-    ));
-    assert_eq!(
-        gpu().shadow_values(&shadows, id, &[(Vec3::X, Vec3::X)]),
-        [1.0],
-        "not recorded yet"
-    );
+    assert!(matches!(shadows.set(id, good), Err(Error::StaleHandle { what: "light", .. })));
+    assert_eq!(gpu().shadow_values(&shadows, id, &[(Vec3::X, Vec3::X)]), [1.0], "not recorded yet");
     assert_eq!(count(&mut shadows), 0);
-    assert_eq!(
-        gpu().shadow_values(&shadows, id, &[(Vec3::X, Vec3::X)]),
-        [0.0],
-        "a light that is gone lights nothing"
-    );
+    assert_eq!(gpu().shadow_values(&shadows, id, &[(Vec3::X, Vec3::X)]), [0.0], "a light that is gone lights nothing");
 }
 
 #[test]
@@ -171,29 +97,11 @@ fn descriptors() {
     let widest = gpu().device.limits().max_texture_dimension_2d;
     let wrong = [
         ("capacity", PointShadowsDescriptor { capacity: 0, ..good }),
-        (
-            "capacity",
-            PointShadowsDescriptor {
-                capacity: 100_000,
-                ..good
-            },
-        ),
+        ("capacity", PointShadowsDescriptor { capacity: 100_000, ..good }),
         ("resolution", PointShadowsDescriptor { resolution: 0, ..good }),
-        (
-            "resolution",
-            PointShadowsDescriptor {
-                resolution: widest,
-                ..good
-            },
-        ),
+        ("resolution", PointShadowsDescriptor { resolution: widest, ..good }),
         ("tolerance", PointShadowsDescriptor { tolerance: 0.0, ..good }),
-        (
-            "tolerance",
-            PointShadowsDescriptor {
-                tolerance: f32::NAN,
-                ..good
-            },
-        ),
+        ("tolerance", PointShadowsDescriptor { tolerance: f32::NAN, ..good }),
         ("guard", PointShadowsDescriptor { guard: -1.0, ..good }),
     ];
     for (name, descriptor) in wrong {

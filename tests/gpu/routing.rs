@@ -24,20 +24,12 @@ fn assert_same(casters: &mut Casters, light: PointLight, resolution: u32, name: 
 /// Random triangles from slivers to walls.
 fn random_soup(rng: &mut Pcg64, count: usize) -> Vec<[Vec3; 3]> {
     let mut point = |size: f32| {
-        Vec3::new(
-            rng.random_range(-size..size),
-            rng.random_range(-size..size),
-            rng.random_range(-size..size),
-        )
+        Vec3::new(rng.random_range(-size..size), rng.random_range(-size..size), rng.random_range(-size..size))
     };
     (0..count)
         .map(|i| {
             let centre = point(10.0);
-            let size = if i % 100 == 0 {
-                8.0
-            } else {
-                [0.01, 0.1, 0.3, 1.0][i % 4]
-            };
+            let size = if i % 100 == 0 { 8.0 } else { [0.01, 0.1, 0.3, 1.0][i % 4] };
             [centre, centre + point(size), centre + point(size)]
         })
         .collect()
@@ -62,11 +54,7 @@ fn closed_pieces_with_the_light_outside() {
     let mut rng = Pcg64::seed_from_u64(8);
     let mut triangles = Vec::new();
     for _ in 0..30 {
-        let centre = Vec3::new(
-            rng.random_range(-9.0..9.0),
-            rng.random_range(-9.0..9.0),
-            rng.random_range(-9.0..9.0),
-        );
+        let centre = Vec3::new(rng.random_range(-9.0..9.0), rng.random_range(-9.0..9.0), rng.random_range(-9.0..9.0));
         let mirrored = rng.random_bool(0.5);
         triangles.extend(shell(200, &mut rng).into_iter().map(|t| {
             let [a, b, c] = t.map(|p| centre + p * 0.4);
@@ -90,10 +78,7 @@ fn every_scene() {
         eprintln!("no scenes: set DP_SCENES to a folder with .glb files to test on them too");
         return;
     };
-    let mut files: Vec<_> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.retain(|path| path.extension().is_some_and(|e| e == "glb"));
     files.sort();
     for path in files {
@@ -104,12 +89,7 @@ fn every_scene() {
         let (low, high) = scene.bounds().unwrap();
         for position in known_lights(&name).iter().take(2) {
             let range = low.distance(high) * 2.0;
-            let light = PointLight {
-                position: Vec3::from(*position),
-                range,
-                near: range * 1e-5,
-                ..Default::default()
-            };
+            let light = PointLight { position: Vec3::from(*position), range, near: range * 1e-5, ..Default::default() };
             assert_same(&mut casters, light, 512, &name);
         }
     }
@@ -120,11 +100,7 @@ fn the_hall() {
     let scene = procedural::hall();
     let mut casters = Casters::new(&gpu().device);
     fill(&mut casters, &scene, Sides::Auto).unwrap();
-    let light = PointLight {
-        position: scene.lights[0].position,
-        range: 60.0,
-        ..Default::default()
-    };
+    let light = PointLight { position: scene.lights[0].position, range: 60.0, ..Default::default() };
     assert_same(&mut casters, light, 1024, "the hall");
 }
 
@@ -134,22 +110,12 @@ fn two_runs_give_the_same_bits() {
     let run = || {
         let mut casters = Casters::new(&gpu().device);
         fill(&mut casters, &scene, Sides::Auto).unwrap();
-        let light = PointLight {
-            position: scene.lights[0].position,
-            range: 60.0,
-            ..Default::default()
-        };
+        let light = PointLight { position: scene.lights[0].position, range: 60.0, ..Default::default() };
         map(&mut casters, light, 512)
     };
     let (first, second) = (run(), run());
     assert!(first.depth.iter().any(|d| *d > 0.0));
-    assert!(
-        first
-            .depth
-            .iter()
-            .zip(&second.depth)
-            .all(|(a, b)| a.to_bits() == b.to_bits())
-    );
+    assert!(first.depth.iter().zip(&second.depth).all(|(a, b)| a.to_bits() == b.to_bits()));
 }
 
 #[test]
@@ -161,10 +127,7 @@ fn more_pieces_than_room_are_drawn_exactly() {
     for _ in 0..400 {
         triangles.extend(shell(0, &mut rng).into_iter().map(|t| t.map(|p| p * 2.0)));
     }
-    let light = PointLight {
-        range: 100.0,
-        ..Default::default()
-    };
+    let light = PointLight { range: 100.0, ..Default::default() };
     let make = |triangles: &[[Vec3; 3]]| {
         let mut casters = soup(triangles, Sides::Both);
         let shadows = PointShadows::new(&gpu().device, &descriptor(64)).unwrap();
@@ -181,11 +144,7 @@ fn more_pieces_than_room_are_drawn_exactly() {
         assert_eq!(without_room, 0);
         nearest.iter_mut().zip(&map.depth).for_each(|(n, d)| *n = n.max(*d));
     }
-    let whole = Map {
-        depth: nearest,
-        resolution: map.resolution,
-        half_width: map.half_width,
-    };
+    let whole = Map { depth: nearest, resolution: map.resolution, half_width: map.half_width };
     for (exact, pieces) in map.discs().zip(whole.discs()) {
         // Half a texel across a surface seen at a slant of at most 80 degrees, at 64 texels.
         let close = (exact.depth - pieces.depth).abs() <= 0.25 * pieces.depth;

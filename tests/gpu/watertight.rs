@@ -15,16 +15,8 @@ const SHORTEST: f32 = 1e-3;
 /// are cut at random places, most often where one was just cut, and whose vertices are then moved along their rays.
 pub fn shell(cuts: usize, rng: &mut Pcg64) -> Vec<[Vec3; 3]> {
     let mut vertices = vec![Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
-    let mut triangles: Vec<[usize; 3]> = vec![
-        [0, 2, 4],
-        [2, 1, 4],
-        [1, 3, 4],
-        [3, 0, 4],
-        [2, 0, 5],
-        [1, 2, 5],
-        [3, 1, 5],
-        [0, 3, 5],
-    ];
+    let mut triangles: Vec<[usize; 3]> =
+        vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
     for _ in 0..cuts {
         let recent = triangles.len().min(12);
         let pick = if rng.random_bool(0.7) {
@@ -68,19 +60,11 @@ fn shells_have_no_holes_in_any_orientation() {
             rng.random_range(-1.0..1.0),
         )
         .normalize();
-        let light = PointLight {
-            orientation,
-            ..Default::default()
-        };
+        let light = PointLight { orientation, ..Default::default() };
         for resolution in [64, 200, 512] {
             let map = map(&mut casters, light, resolution);
             let holes: Vec<_> = map.discs().filter(|texel| texel.depth == 0.0).collect();
-            assert!(
-                holes.is_empty(),
-                "shell {turn} at {resolution}: {} holes, as at {:?}",
-                holes.len(),
-                holes[0]
-            );
+            assert!(holes.is_empty(), "shell {turn} at {resolution}: {} holes, as at {:?}", holes.len(), holes[0]);
         }
     }
 }

@@ -107,21 +107,10 @@ pub fn map_error(stored: &[f32], ideal: &IdealMap, reference: &Reference, view: 
 #[must_use]
 pub fn judge_texels(stored: &[f32], ideal: &IdealMap, reference: &Reference, view: &View) -> Vec<TexelVerdict> {
     assert_eq!(stored.len(), ideal.depths.len(), "the maps differ in size");
-    let judge = Judge {
-        geometry: ideal.geometry,
-        reference,
-        view,
-    };
+    let judge = Judge { geometry: ideal.geometry, reference, view };
     (0..stored.len())
         .into_par_iter()
-        .map(|index| {
-            judge.texel(
-                f64::from(stored[index]),
-                ideal.depths[index],
-                ideal.triangles[index],
-                index,
-            )
-        })
+        .map(|index| judge.texel(f64::from(stored[index]), ideal.depths[index], ideal.triangles[index], index))
         .collect()
 }
 
@@ -139,20 +128,12 @@ impl Judge<'_> {
             return TexelVerdict::NotJudged;
         }
         if triangle == NO_TRIANGLE {
-            return if stored == 0.0 {
-                TexelVerdict::Empty
-            } else {
-                TexelVerdict::Phantom
-            };
+            return if stored == 0.0 { TexelVerdict::Empty } else { TexelVerdict::Phantom };
         }
         let same_surface = stored > 0.0 && self.is_on_surface(stored, ideal, triangle, p, back);
         if self.distance(ideal, p) > self.view.range {
             let intrudes = stored > 0.0 && !same_surface && self.distance(stored, p) <= self.view.range;
-            return if intrudes {
-                TexelVerdict::Phantom
-            } else {
-                TexelVerdict::NotJudged
-            };
+            return if intrudes { TexelVerdict::Phantom } else { TexelVerdict::NotJudged };
         }
         match (stored == 0.0, same_surface) {
             (true, _) => TexelVerdict::Hole,
@@ -176,13 +157,7 @@ impl Judge<'_> {
 fn depth_errors(verdicts: &[TexelVerdict]) -> Vec<f64> {
     let mut errors: Vec<f64> = verdicts
         .par_iter()
-        .filter_map(|verdict| {
-            if let TexelVerdict::Right(error) = verdict {
-                Some(*error)
-            } else {
-                None
-            }
-        })
+        .filter_map(|verdict| if let TexelVerdict::Right(error) = verdict { Some(*error) } else { None })
         .collect();
     errors.par_sort_unstable_by(f64::total_cmp);
     errors
@@ -196,19 +171,12 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 
 /// For each wrong surface, hole and phantom its distance from a silhouette, in texels.
 fn silhouette_distances(verdicts: &[TexelVerdict], ideal: &IdealMap, reference: &Reference, view: &View) -> Vec<f64> {
-    let search = SilhouetteSearch {
-        geometry: ideal.geometry,
-        reference,
-        view,
-    };
+    let search = SilhouetteSearch { geometry: ideal.geometry, reference, view };
     verdicts
         .par_iter()
         .enumerate()
         .filter(|(_, verdict)| {
-            matches!(
-                verdict,
-                TexelVerdict::WrongSurface | TexelVerdict::Hole | TexelVerdict::Phantom
-            )
+            matches!(verdict, TexelVerdict::WrongSurface | TexelVerdict::Hole | TexelVerdict::Phantom)
         })
         .map(|(index, _)| {
             let (back, i, j) = ideal.geometry.texel_at(index);
@@ -255,11 +223,7 @@ impl SilhouetteSearch<'_> {
         let d = paraboloid::unproject(p);
         let direction = self.view.to_world(d, back);
         let hit = self.reference.nearest(direction, self.view.clip_distance(d));
-        Ray {
-            direction,
-            texel_angle: paraboloid::texel_angle(p, self.geometry.texel()),
-            hit,
-        }
+        Ray { direction, texel_angle: paraboloid::texel_angle(p, self.geometry.texel()), hit }
     }
 
     fn is_step(&self, one: &Ray, other: &Ray) -> bool {
@@ -292,31 +256,18 @@ mod tests {
         stored: Vec<f32>,
     }
 
-    const GEOMETRY: MapGeometry = MapGeometry {
-        resolution: 128,
-        guard: 0.05,
-    };
+    const GEOMETRY: MapGeometry = MapGeometry { resolution: 128, guard: 0.05 };
 
     fn scene(range: f64) -> Scene {
         let mut triangles = box_triangles(DVec3::splat(-3.0), DVec3::splat(3.0));
         triangles.retain(|t| !t.iter().all(|corner| corner.y == 3.0));
         triangles.extend(sheet(DVec3::new(-0.5, -0.5, 1.5), DVec3::X, DVec3::Y));
         let orientation = DQuat::from_rotation_x(0.3) * DQuat::from_rotation_y(0.2);
-        let view = View {
-            position: DVec3::ZERO,
-            orientation,
-            near: 0.05,
-            range,
-        };
+        let view = View { position: DVec3::ZERO, orientation, near: 0.05, range };
         let reference = Reference::new(&triangles, None, view.position);
         let ideal = ideal_map(&reference, &view, GEOMETRY);
         let stored = ideal.depths.iter().map(|&depth| depth as f32).collect();
-        Scene {
-            reference,
-            view,
-            ideal,
-            stored,
-        }
+        Scene { reference, view, ideal, stored }
     }
 
     impl Scene {
@@ -337,10 +288,7 @@ mod tests {
         let error = scene(f64::INFINITY).error();
         let disc = std::f64::consts::PI * (64.0_f64 - 1.0).powi(2) * 2.0;
         assert!((error.texels as f64 / disc - 1.0).abs() < 0.005, "{error:?}");
-        assert_eq!(
-            (error.wrong_surface_ppm, error.holes, error.phantoms, error.strays),
-            (0.0, 0, 0, 0)
-        );
+        assert_eq!((error.wrong_surface_ppm, error.holes, error.phantoms, error.strays), (0.0, 0, 0, 0));
         assert!(error.depth_error_max > 0.0 && error.depth_error_max < 6e-8, "{error:?}");
     }
 
@@ -353,10 +301,7 @@ mod tests {
         scene.stored[floor] *= 1.2;
         let error = scene.error();
         assert_eq!((error.holes, error.phantoms), (1, 1));
-        assert!(
-            (error.wrong_surface_ppm * error.texels as f64 - 1e6).abs() < 1e-3,
-            "{error:?}"
-        );
+        assert!((error.wrong_surface_ppm * error.texels as f64 - 1e6).abs() < 1e-3, "{error:?}");
         assert_eq!((error.strays, error.silhouette_distance_max), (3, f64::INFINITY));
     }
 
@@ -385,30 +330,18 @@ mod tests {
     fn wrong_surfaces_at_a_silhouette_are_near_it() {
         let mut scene = scene(f64::INFINITY);
         let turn = DQuat::from_rotation_y(0.8 * paraboloid::texel_angle(DVec2::ZERO, GEOMETRY.texel()));
-        let moved = View {
-            orientation: turn * scene.view.orientation,
-            ..scene.view
-        };
-        for (stored, depth) in scene
-            .stored
-            .iter_mut()
-            .zip(ideal_map(&scene.reference, &moved, GEOMETRY).depths)
-        {
+        let moved = View { orientation: turn * scene.view.orientation, ..scene.view };
+        for (stored, depth) in scene.stored.iter_mut().zip(ideal_map(&scene.reference, &moved, GEOMETRY).depths) {
             *stored = depth as f32;
         }
         let plate = |index: usize| scene.ideal.triangles[index] >= 10 && scene.ideal.triangles[index] != NO_TRIANGLE;
         let verdicts = judge_texels(&scene.stored, &scene.ideal, &scene.reference, &scene.view);
-        let wrong = (0..verdicts.len())
-            .filter(|&i| verdicts[i] == TexelVerdict::WrongSurface)
-            .count();
+        let wrong = (0..verdicts.len()).filter(|&i| verdicts[i] == TexelVerdict::WrongSurface).count();
         let outline = (0..verdicts.len()).filter(|&i| plate(i)).count() as f64;
         assert!(wrong as f64 > outline.sqrt(), "{wrong} {outline}");
         let error = scene.error();
         assert_eq!(error.strays, 0, "{error:?}");
-        assert!(
-            error.silhouette_distance_max > 0.5 && error.silhouette_distance_max <= 1.0,
-            "{error:?}"
-        );
+        assert!(error.silhouette_distance_max > 0.5 && error.silhouette_distance_max <= 1.0, "{error:?}");
     }
 
     #[test]
@@ -434,10 +367,7 @@ mod tests {
     #[test]
     fn quantiles_are_by_nearest_rank() {
         let sorted: Vec<f64> = (1..=150).map(f64::from).collect();
-        assert_eq!(
-            [0.5, 0.99, 1.0].map(|share| quantile(&sorted, share)),
-            [75.0, 149.0, 150.0]
-        );
+        assert_eq!([0.5, 0.99, 1.0].map(|share| quantile(&sorted, share)), [75.0, 149.0, 150.0]);
         assert_eq!(quantile(&[], 0.5), 0.0);
         assert_eq!(quantile(&[3.0], 0.99), 3.0);
     }

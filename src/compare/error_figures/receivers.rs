@@ -57,10 +57,7 @@ impl Receiver {
 #[must_use]
 pub fn sample_receivers(reference: &Reference, view: &View, n: usize, seed: u64) -> Vec<Receiver> {
     let sampler = Sampler::new(reference, view);
-    (0..n)
-        .into_par_iter()
-        .filter_map(|i| sampler.draw(&mut Pcg64::new(u128::from(seed), i as u128)))
-        .collect()
+    (0..n).into_par_iter().filter_map(|i| sampler.draw(&mut Pcg64::new(u128::from(seed), i as u128))).collect()
 }
 
 /// For each receiver, whether the light reaches it: a segment test in double precision at the rounded position.
@@ -101,31 +98,17 @@ struct Piece {
 
 impl Piece {
     fn corners(&self, triangle: &[DVec3; 3]) -> [DVec3; 3] {
-        self.corners
-            .map(|[b, c]| interpolate(triangle, f64::from(b), f64::from(c)))
+        self.corners.map(|[b, c]| interpolate(triangle, f64::from(b), f64::from(c)))
     }
 
     /// Cuts the piece at the middle of its longest edge.
     fn halves(&self, corners: &[DVec3; 3]) -> [Self; 2] {
         let length = |i: usize| corners[i].distance_squared(corners[(i + 1) % 3]);
         let longest = (0..3).max_by(|&i, &j| length(i).total_cmp(&length(j))).unwrap_or(0);
-        let (a, b, c) = (
-            self.corners[longest],
-            self.corners[(longest + 1) % 3],
-            self.corners[(longest + 2) % 3],
-        );
+        let (a, b, c) = (self.corners[longest], self.corners[(longest + 1) % 3], self.corners[(longest + 2) % 3]);
         let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
         let triangle = self.triangle;
-        [
-            Self {
-                triangle,
-                corners: [a, middle, c],
-            },
-            Self {
-                triangle,
-                corners: [middle, b, c],
-            },
-        ]
+        [Self { triangle, corners: [a, middle, c] }, Self { triangle, corners: [middle, b, c] }]
     }
 }
 
@@ -152,22 +135,14 @@ impl<'a> Sampler<'a> {
             sum += *weight;
             *weight = sum;
         }
-        Self {
-            reference,
-            view,
-            pieces,
-            cumulative,
-        }
+        Self { reference, view, pieces, cumulative }
     }
 
     fn draw(&self, random: &mut Pcg64) -> Option<Receiver> {
         let total = *self.cumulative.last()?;
         (0..MAX_DRAWS).find_map(|_| {
             let share = random.random::<f64>() * total;
-            let piece = &self.pieces[self
-                .cumulative
-                .partition_point(|&sum| sum <= share)
-                .min(self.pieces.len() - 1)];
+            let piece = &self.pieces[self.cumulative.partition_point(|&sum| sum <= share).min(self.pieces.len() - 1)];
             self.draw_on(piece, random)
         })
     }
@@ -191,12 +166,7 @@ impl<'a> Sampler<'a> {
         let exact = self.view.position + point;
         let position = exact.as_vec3();
         let rounding = position.as_dvec3().distance(exact);
-        let receiver = Receiver {
-            position,
-            normal: normal.as_vec3(),
-            triangle,
-            rounding,
-        };
+        let receiver = Receiver { position, normal: normal.as_vec3(), triangle, rounding };
         let (x, _) = self.view.to_hemisphere(receiver.relative(self.view.position));
         let held = paraboloid::homogeneous_w(x) >= self.view.near && x.length() <= self.view.range;
         held.then_some(receiver)
@@ -210,10 +180,7 @@ fn weighted_pieces(reference: &Reference, view: &View, triangle: u32) -> Vec<(Pi
         return Vec::new();
     }
     let mut pieces = Vec::new();
-    let mut rest = vec![Piece {
-        triangle,
-        corners: [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
-    }];
+    let mut rest = vec![Piece { triangle, corners: [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] }];
     while let Some(piece) = rest.pop() {
         let corners = piece.corners(triangle_corners);
         let farthest = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
@@ -243,9 +210,7 @@ fn distance_to_triangle(corners: &[DVec3; 3]) -> f64 {
     if inside {
         return corners[0].dot(normal).abs() / normal.length();
     }
-    (0..3)
-        .map(|i| distance_to_segment(corners[i], corners[(i + 1) % 3]))
-        .fold(f64::INFINITY, f64::min)
+    (0..3).map(|i| distance_to_segment(corners[i], corners[(i + 1) % 3])).fold(f64::INFINITY, f64::min)
 }
 
 /// Distance from the origin to the segment between two points.
@@ -263,12 +228,7 @@ mod tests {
     use rand::SeedableRng;
 
     fn view(position: DVec3) -> View {
-        View {
-            position,
-            orientation: DQuat::from_rotation_x(0.7),
-            near: 0.01,
-            range: f64::INFINITY,
-        }
+        View { position, orientation: DQuat::from_rotation_x(0.7), near: 0.01, range: f64::INFINITY }
     }
 
     /// Chi-square of counts in bins that should be equally full.
@@ -278,10 +238,7 @@ mod tests {
             counts[((value * bins as f64) as usize).min(bins - 1)] += 1;
         }
         let expected = counts.iter().sum::<usize>() as f64 / bins as f64;
-        counts
-            .iter()
-            .map(|&count| (count as f64 - expected).powi(2) / expected)
-            .sum()
+        counts.iter().map(|&count| (count as f64 - expected).powi(2) / expected).sum()
     }
 
     /// Over a plane at height h the weight within a radius r is pi ln(1 + r^2/h^2), all around alike. Two triangles
@@ -319,15 +276,9 @@ mod tests {
     #[test]
     fn receivers_lie_where_they_may() {
         let light = DVec3::new(1e3, 2e3, -5e2);
-        let view = View {
-            near: 0.5,
-            range: 3.0,
-            ..view(light)
-        };
+        let view = View { near: 0.5, range: 3.0, ..view(light) };
         let mut random = Pcg64::new(1, 1);
-        let mut scene: Vec<_> = (0..500)
-            .map(|_| [(); 3].map(|()| light + random_vector(&mut random) * 4.0))
-            .collect();
+        let mut scene: Vec<_> = (0..500).map(|_| [(); 3].map(|()| light + random_vector(&mut random) * 4.0)).collect();
         scene.push([light; 3]);
         scene.extend(sheet(light, DVec3::X, DVec3::Y));
         let reference = Reference::new(&scene, None, light);
@@ -396,19 +347,12 @@ mod tests {
             let mut nearest = f64::INFINITY;
             for i in 0..=steps {
                 for j in 0..=steps - i {
-                    let point = interpolate(
-                        &corners,
-                        f64::from(i) / f64::from(steps),
-                        f64::from(j) / f64::from(steps),
-                    );
+                    let point = interpolate(&corners, f64::from(i) / f64::from(steps), f64::from(j) / f64::from(steps));
                     nearest = nearest.min(point.length());
                 }
             }
             let distance = distance_to_triangle(&corners);
-            assert!(
-                distance <= nearest + 1e-12 && nearest < distance + 0.1,
-                "{distance} {nearest}"
-            );
+            assert!(distance <= nearest + 1e-12 && nearest < distance + 0.1, "{distance} {nearest}");
         }
     }
 }

@@ -67,18 +67,10 @@ pub fn shadow_error(
     view: &View,
     geometry: &MapGeometry,
 ) -> ShadowError {
-    assert!(
-        receivers.len() == truth.len() && receivers.len() == values.len(),
-        "the lists differ in length"
-    );
-    let wrong: Vec<usize> = (0..receivers.len())
-        .filter(|&i| (values[i] >= 0.5) != truth[i])
-        .collect();
+    assert!(receivers.len() == truth.len() && receivers.len() == values.len(), "the lists differ in length");
+    let wrong: Vec<usize> = (0..receivers.len()).filter(|&i| (values[i] >= 0.5) != truth[i]).collect();
     let leaks = wrong.iter().filter(|&&i| !truth[i]).count();
-    let far = wrong
-        .par_iter()
-        .filter(|&&i| !near_boundary(&receivers[i], truth[i], reference, view, geometry))
-        .count();
+    let far = wrong.par_iter().filter(|&&i| !near_boundary(&receivers[i], truth[i], reference, view, geometry)).count();
     let samples = receivers.len();
     let lit = truth.iter().filter(|&&lit| lit).count();
     ShadowError {
@@ -115,9 +107,7 @@ pub fn near_boundary(
 ) -> bool {
     let search = BoundarySearch::new(receiver, lit, reference, view, geometry);
     let p = search.plane.p;
-    nearby_texel_centres(p, geometry)
-        .chain(nearby_rings(p, geometry))
-        .any(|q| search.is_other_side(q))
+    nearby_texel_centres(p, geometry).chain(nearby_rings(p, geometry)).any(|q| search.is_other_side(q))
 }
 
 struct BoundarySearch<'a> {
@@ -140,18 +130,9 @@ impl<'a> BoundarySearch<'a> {
         geometry: &MapGeometry,
     ) -> Self {
         let plane = Plane::new(receiver, reference, view);
-        let mut search = Self {
-            receiver,
-            lit,
-            reference,
-            view,
-            texel: geometry.texel(),
-            plane,
-            half_gap: f64::INFINITY,
-        };
-        search.half_gap = search
-            .relative_gap(search.plane.p)
-            .map_or(f64::INFINITY, |gap| 0.5 * gap);
+        let mut search =
+            Self { receiver, lit, reference, view, texel: geometry.texel(), plane, half_gap: f64::INFINITY };
+        search.half_gap = search.relative_gap(search.plane.p).map_or(f64::INFINITY, |gap| 0.5 * gap);
         search
     }
 
@@ -175,10 +156,7 @@ impl<'a> BoundarySearch<'a> {
             hit.triangle == self.receiver.triangle
                 || self.reference.lies_on(direction * t, t - hit.t, hit.triangle, slack)
         };
-        let front = self
-            .reference
-            .nearest(direction, self.clip_distance(q))
-            .filter(|hit| hit.t < t && !is_own(hit));
+        let front = self.reference.nearest(direction, self.clip_distance(q)).filter(|hit| hit.t < t && !is_own(hit));
         Some(front.map_or(0.0, |hit| 1.0 - hit.t / t))
     }
 
@@ -186,11 +164,7 @@ impl<'a> BoundarySearch<'a> {
     fn is_other_side(&self, q: DVec2) -> bool {
         let Some(gap) = self.relative_gap(q) else { return false };
         let crease = CREASE_DEPTH * paraboloid::texel_angle(q, self.texel);
-        if self.lit {
-            gap > crease
-        } else {
-            gap < crease.min(self.half_gap)
-        }
+        if self.lit { gap > crease } else { gap < crease.min(self.half_gap) }
     }
 }
 
@@ -209,12 +183,7 @@ impl Plane {
         let (x, back) = view.to_hemisphere(receiver.relative(view.position));
         let normal = view.orientation.inverse() * reference.normal(receiver.triangle);
         let normal = paraboloid::to_hemisphere(normal, back);
-        Self {
-            back,
-            p: paraboloid::project(x),
-            normal,
-            distance: normal.dot(x),
-        }
+        Self { back, p: paraboloid::project(x), normal, distance: normal.dot(x) }
     }
 
     /// Where the ray along a unit direction meets the plane, if it does.
@@ -255,29 +224,16 @@ mod tests {
     use rand::{Rng, SeedableRng};
     use rand_pcg::Pcg64;
 
-    const GEOMETRY: MapGeometry = MapGeometry {
-        resolution: 256,
-        guard: 0.05,
-    };
+    const GEOMETRY: MapGeometry = MapGeometry { resolution: 256, guard: 0.05 };
 
     fn view(orientation: DQuat) -> View {
-        View {
-            position: DVec3::ZERO,
-            orientation,
-            near: 0.01,
-            range: f64::INFINITY,
-        }
+        View { position: DVec3::ZERO, orientation, near: 0.01, range: f64::INFINITY }
     }
 
     fn receiver(reference: &Reference, triangle: u32, position: DVec3) -> Receiver {
         let rounded = position.as_vec3();
         let normal: Vec3 = reference.normal(triangle).as_vec3();
-        Receiver {
-            position: rounded,
-            normal,
-            triangle,
-            rounding: rounded.as_dvec3().distance(position),
-        }
+        Receiver { position: rounded, normal, triangle, rounding: rounded.as_dvec3().distance(position) }
     }
 
     #[test]
@@ -288,20 +244,13 @@ mod tests {
         let lit: Vec<bool> = (0..1000).map(|i| i % 4 != 0).collect();
         let mut values: Vec<f32> = lit.iter().map(|&lit| if lit { 0.5 } else { 0.49 }).collect();
         let none = shadow_error(&receivers, &lit, &values, &reference, &view, &GEOMETRY);
-        let expected = ShadowError {
-            samples: 1000,
-            lit_fraction: 0.75,
-            ..ShadowError::default()
-        };
+        let expected = ShadowError { samples: 1000, lit_fraction: 0.75, ..ShadowError::default() };
         assert_eq!(none, expected);
         values[0] = 0.5;
         values[4] = 1.0;
         values[5] = 0.49;
         let some = shadow_error(&receivers, &lit, &values, &reference, &view, &GEOMETRY);
-        assert_eq!(
-            (some.wrong_ppm, some.leak_ppm, some.false_shadow_ppm),
-            (3000.0, 2000.0, 1000.0)
-        );
+        assert_eq!((some.wrong_ppm, some.leak_ppm, some.false_shadow_ppm), (3000.0, 2000.0, 1000.0));
     }
 
     /// The shadow of a plate on a floor, at receivers all over the floor: a boundary is near where the outline's
@@ -309,20 +258,13 @@ mod tests {
     #[test]
     fn boundaries_are_found_where_they_are() {
         let mut scene = sheet(DVec3::new(-30.0, -2.0, -30.0), DVec3::X * 60.0, DVec3::Z * 60.0);
-        scene.extend(sheet(
-            DVec3::new(-0.4, -1.0, -0.3),
-            DVec3::X * 0.9,
-            DVec3::new(0.2, 0.1, 0.8),
-        ));
+        scene.extend(sheet(DVec3::new(-0.4, -1.0, -0.3), DVec3::X * 0.9, DVec3::new(0.2, 0.1, 0.8)));
         let reference = Reference::new(&scene, None, DVec3::ZERO);
         let view = view(DQuat::from_rotation_z(0.4) * DQuat::from_rotation_x(0.9));
         let [a, b, c] = reference.triangles()[2];
         let outline = [a, b, c, reference.triangles()[3][2]];
         let mut near_ones = [0, 0];
-        for receiver in sample_receivers(&reference, &view, 10_000, 2)
-            .iter()
-            .filter(|r| r.triangle < 2)
-        {
+        for receiver in sample_receivers(&reference, &view, 10_000, 2).iter().filter(|r| r.triangle < 2) {
             let (x, back) = view.to_hemisphere(receiver.relative(DVec3::ZERO));
             let p = paraboloid::project(x);
             let distance = (0..4000)
@@ -347,25 +289,15 @@ mod tests {
         let room = Reference::new(&box_triangles(DVec3::splat(-2.0), DVec3::splat(2.0)), None, DVec3::ZERO);
         let view = view(DQuat::from_rotation_x(0.5));
         let near = |reference: &Reference, triangle, position| {
-            near_boundary(
-                &receiver(reference, triangle, position),
-                true,
-                reference,
-                &view,
-                &GEOMETRY,
-            )
+            near_boundary(&receiver(reference, triangle, position), true, reference, &view, &GEOMETRY)
         };
-        let floor = (0..12)
-            .find(|&t| room.triangles()[t as usize].iter().all(|c| c.y == -2.0))
-            .expect("a floor");
+        let floor = (0..12).find(|&t| room.triangles()[t as usize].iter().all(|c| c.y == -2.0)).expect("a floor");
         assert!(!near(&room, floor, DVec3::new(0.3, -2.0, 0.2)));
         assert!(!near(&room, floor, DVec3::new(1.8, -2.0, 0.2)));
         assert!(near(&room, floor, DVec3::new(1.99, -2.0, 0.2)));
         let below = DVec3::new(0.0, -3.0, 0.0);
         let block = Reference::new(&box_triangles(below - 0.5, below + 0.5), None, DVec3::ZERO);
-        let lid = (0..12)
-            .find(|&t| block.triangles()[t as usize].iter().all(|c| c.y == -2.5))
-            .expect("a lid");
+        let lid = (0..12).find(|&t| block.triangles()[t as usize].iter().all(|c| c.y == -2.5)).expect("a lid");
         assert!(!near(&block, lid, DVec3::new(0.499, -2.5, 0.1)));
     }
 
@@ -387,11 +319,7 @@ mod tests {
     #[test]
     fn a_boundary_on_the_neighbouring_face_counts() {
         let floor = sheet(DVec3::new(0.0, -2.0, -5.0), DVec3::X * 5.0, DVec3::Z * 10.0);
-        let rising = sheet(
-            DVec3::new(0.0, -2.0, -5.0),
-            DVec3::new(-5.0, 5.0 * 0.0175, 0.0),
-            DVec3::Z * 10.0,
-        );
+        let rising = sheet(DVec3::new(0.0, -2.0, -5.0), DVec3::new(-5.0, 5.0 * 0.0175, 0.0), DVec3::Z * 10.0);
         let plate = sheet(DVec3::new(0.0, -1.0, -5.0), DVec3::X * 5.0, DVec3::Z * 10.0);
         let reference = Reference::new(&[floor, rising, plate].concat(), None, DVec3::ZERO);
         let view = view(DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2));
@@ -399,11 +327,7 @@ mod tests {
         for (texels, near) in [(1.0, true), (2.0, false)] {
             let receiver = receiver(&reference, 0, DVec3::new(texels * texel, -2.0, 0.1));
             assert_eq!(truth(&[receiver], &reference, &view), [false]);
-            assert_eq!(
-                near_boundary(&receiver, false, &reference, &view, &GEOMETRY),
-                near,
-                "{texels}"
-            );
+            assert_eq!(near_boundary(&receiver, false, &reference, &view, &GEOMETRY), near, "{texels}");
         }
     }
 
@@ -420,11 +344,7 @@ mod tests {
             if at.length() < 1.2 {
                 at = at.normalize() * 1.2;
             }
-            scene.extend(
-                box_triangles(-size, size)
-                    .iter()
-                    .map(|t| t.map(|corner| at + turn * corner)),
-            );
+            scene.extend(box_triangles(-size, size).iter().map(|t| t.map(|corner| at + turn * corner)));
         }
         let reference = Reference::new(&scene, None, DVec3::ZERO);
         for _ in 0..3 {
@@ -432,37 +352,15 @@ mod tests {
             let receivers = sample_receivers(&reference, &view, 50_000, 11);
             let lit = truth(&receivers, &reference, &view);
             let error_at = |resolution, bias| {
-                let geometry = MapGeometry {
-                    resolution,
-                    guard: 0.05,
-                };
+                let geometry = MapGeometry { resolution, guard: 0.05 };
                 let map = ideal_map(&reference, &view, geometry);
-                let values = ideal_shadows(
-                    &receivers,
-                    &map,
-                    &Lookup {
-                        view,
-                        geometry,
-                        bias,
-                        tolerance: 0.0,
-                    },
-                );
+                let values = ideal_shadows(&receivers, &map, &Lookup { view, geometry, bias, tolerance: 0.0 });
                 shadow_error(&receivers, &lit, &values, &reference, &view, &geometry)
             };
             let (coarse, fine) = (error_at(128, 0.35), error_at(512, 0.35));
-            assert_eq!(
-                (coarse.far_wrong_ppm, fine.far_wrong_ppm),
-                (0.0, 0.0),
-                "{coarse:?} {fine:?}"
-            );
-            assert!(
-                fine.wrong_ppm > 0.0 && fine.wrong_ppm < 0.4 * coarse.wrong_ppm,
-                "{coarse:?} {fine:?}"
-            );
-            assert!(
-                coarse.wrong_ppm < 30_000.0 && (0.2..0.9).contains(&coarse.lit_fraction),
-                "{coarse:?}"
-            );
+            assert_eq!((coarse.far_wrong_ppm, fine.far_wrong_ppm), (0.0, 0.0), "{coarse:?} {fine:?}");
+            assert!(fine.wrong_ppm > 0.0 && fine.wrong_ppm < 0.4 * coarse.wrong_ppm, "{coarse:?} {fine:?}");
+            assert!(coarse.wrong_ppm < 30_000.0 && (0.2..0.9).contains(&coarse.lit_fraction), "{coarse:?}");
         }
     }
 
@@ -475,29 +373,15 @@ mod tests {
         let at = |i: i32, j: i32| offset + turn * DVec3::new(f64::from(i) * 0.1, -2.0, f64::from(j) * 0.1);
         let scene: Vec<_> = (-30..30)
             .flat_map(|i| (-30..30).map(move |j| (i, j)))
-            .flat_map(|(i, j)| {
-                [
-                    [at(i, j), at(i + 1, j), at(i + 1, j + 1)],
-                    [at(i, j), at(i + 1, j + 1), at(i, j + 1)],
-                ]
-            })
+            .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]])
             .collect();
         let reference = Reference::new(&scene, None, offset);
-        let view = View {
-            position: offset,
-            ..view(DQuat::IDENTITY)
-        };
+        let view = View { position: offset, ..view(DQuat::IDENTITY) };
         let receivers = sample_receivers(&reference, &view, 5000, 4);
-        let geometry = MapGeometry {
-            resolution: 1024,
-            guard: 0.05,
-        };
+        let geometry = MapGeometry { resolution: 1024, guard: 0.05 };
         assert!(receivers.iter().any(|receiver| receiver.rounding > 0.003));
         for (receiver, lit) in receivers.iter().zip(truth(&receivers, &reference, &view)) {
-            assert!(
-                lit && !near_boundary(receiver, true, &reference, &view, &geometry),
-                "{receiver:?}"
-            );
+            assert!(lit && !near_boundary(receiver, true, &reference, &view, &geometry), "{receiver:?}");
         }
     }
 
@@ -509,20 +393,9 @@ mod tests {
         let receivers = sample_receivers(&reference, &view, 1000, 11);
         let lit = truth(&receivers, &reference, &view);
         let map = ideal_map(&reference, &view, GEOMETRY);
-        let values = ideal_shadows(
-            &receivers,
-            &map,
-            &Lookup {
-                view,
-                geometry: GEOMETRY,
-                bias: -0.5,
-            },
-        );
+        let values = ideal_shadows(&receivers, &map, &Lookup { view, geometry: GEOMETRY, bias: -0.5 });
         let error = shadow_error(&receivers, &lit, &values, &reference, &view, &GEOMETRY);
-        assert!(
-            error.false_shadow_ppm > 900_000.0 && error.far_wrong_ppm > 800_000.0,
-            "{error:?}"
-        );
+        assert!(error.false_shadow_ppm > 900_000.0 && error.far_wrong_ppm > 800_000.0, "{error:?}");
     }
 
     #[test]

@@ -13,10 +13,7 @@ use crate::compare::scene::SceneMesh;
 #[must_use]
 pub fn quad(corner: Vec3, u: Vec3, v: Vec3) -> SceneMesh {
     let corners = [corner, corner + u, corner + u + v, corner + v];
-    let mut mesh = SceneMesh {
-        normals: Some(Vec::new()),
-        ..SceneMesh::default()
-    };
+    let mut mesh = SceneMesh { normals: Some(Vec::new()), ..SceneMesh::default() };
     push_face(&mut mesh, &corners, u.cross(v).normalize());
     mesh
 }
@@ -24,10 +21,7 @@ pub fn quad(corner: Vec3, u: Vec3, v: Vec3) -> SceneMesh {
 /// An axis-aligned box of 12 triangles from `low` to `high`, which must be larger in every coordinate.
 #[must_use]
 pub fn cuboid(low: Vec3, high: Vec3) -> SceneMesh {
-    let mut mesh = SceneMesh {
-        normals: Some(Vec::new()),
-        ..SceneMesh::default()
-    };
+    let mut mesh = SceneMesh { normals: Some(Vec::new()), ..SceneMesh::default() };
     for axis in 0..3 {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         for upper in [false, true] {
@@ -38,12 +32,7 @@ pub fn cuboid(low: Vec3, high: Vec3) -> SceneMesh {
                 }
                 corner
             };
-            let mut corners = [
-                corner(false, false),
-                corner(true, false),
-                corner(true, true),
-                corner(false, true),
-            ];
+            let mut corners = [corner(false, false), corner(true, false), corner(true, true), corner(false, true)];
             let mut normal = Vec3::ZERO;
             normal[axis] = if upper { 1.0 } else { -1.0 };
             if !upper {
@@ -60,10 +49,7 @@ pub fn cuboid(low: Vec3, high: Vec3) -> SceneMesh {
 pub fn tetrahedron(radius: f32) -> SceneMesh {
     let corners = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     let corners = corners.map(|corner| Vec3::from(corner) * (radius / 3.0_f32.sqrt()));
-    let mut mesh = SceneMesh {
-        normals: Some(Vec::new()),
-        ..SceneMesh::default()
-    };
+    let mut mesh = SceneMesh { normals: Some(Vec::new()), ..SceneMesh::default() };
     for [a, b, c] in [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] {
         let face = [corners[a], corners[b], corners[c]];
         push_face(&mut mesh, &face, (face[0] + face[1] + face[2]).normalize());
@@ -78,10 +64,7 @@ pub fn tetrahedron(radius: f32) -> SceneMesh {
 /// If `subdivisions` is above 10, which would be 21 million triangles.
 #[must_use]
 pub fn icosphere(radius: f32, subdivisions: u32) -> SceneMesh {
-    assert!(
-        subdivisions <= 10,
-        "icosphere of {subdivisions} subdivisions: use 10 at most"
-    );
+    assert!(subdivisions <= 10, "icosphere of {subdivisions} subdivisions: use 10 at most");
     let (mut points, mut triangles) = icosahedron();
     for _ in 0..subdivisions {
         let mut middles = HashMap::new();
@@ -98,10 +81,7 @@ pub fn icosphere(radius: f32, subdivisions: u32) -> SceneMesh {
         triangles = triangles.iter().flat_map(split).collect();
     }
     SceneMesh {
-        positions: points
-            .iter()
-            .map(|&point| (point * f64::from(radius)).as_vec3().to_array())
-            .collect(),
+        positions: points.iter().map(|&point| (point * f64::from(radius)).as_vec3().to_array()).collect(),
         normals: Some(points.iter().map(|point| point.as_vec3().to_array()).collect()),
         indices: triangles.into_flattened(),
         ..SceneMesh::default()
@@ -148,10 +128,7 @@ pub fn uv_sphere(radius: f32, slices: u32, stacks: u32) -> SceneMesh {
 /// If `slices` is below 3 or `stacks` below 2.
 #[must_use]
 pub fn displaced_sphere(slices: u32, stacks: u32, shape: impl Fn(DVec3) -> DVec3) -> SceneMesh {
-    assert!(
-        slices >= 3 && stacks >= 2,
-        "sphere of {slices} slices and {stacks} stacks: use 3 and 2 at least"
-    );
+    assert!(slices >= 3 && stacks >= 2, "sphere of {slices} slices and {stacks} stacks: use 3 and 2 at least");
     let mut points = vec![DVec3::Y];
     for stack in 1..stacks {
         let (ring, y) = (TAU / 2.0 * f64::from(stack) / f64::from(stacks)).sin_cos();
@@ -173,10 +150,7 @@ pub fn displaced_sphere(slices: u32, stacks: u32, shape: impl Fn(DVec3) -> DVec3
         }
         indices.extend([at(stacks - 1, slice), last, at(stacks - 1, slice + 1)]);
     }
-    smooth(
-        points.into_iter().map(|point| shape(point).as_vec3()).collect(),
-        indices,
-    )
+    smooth(points.into_iter().map(|point| shape(point).as_vec3()).collect(), indices)
 }
 
 /// An upright prism of 4 · `sides` - 4 triangles around the y axis, from y = 0 to `height`, shaded as round.
@@ -194,18 +168,12 @@ pub fn cylinder(radius: f32, height: f32, sides: u32) -> SceneMesh {
         })
         .collect();
     let ring = |y: f32| outwards.iter().map(move |&direction| direction * radius + Vec3::Y * y);
-    let mut mesh = SceneMesh {
-        normals: Some(Vec::new()),
-        ..SceneMesh::default()
-    };
+    let mut mesh = SceneMesh { normals: Some(Vec::new()), ..SceneMesh::default() };
     push_face(&mut mesh, &ring(height).collect::<Vec<_>>(), Vec3::Y);
     push_face(&mut mesh, &ring(0.0).rev().collect::<Vec<_>>(), Vec3::NEG_Y);
     let base = mesh.positions.len() as u32;
-    mesh.positions
-        .extend(ring(0.0).chain(ring(height)).map(|position| position.to_array()));
-    mesh.normals
-        .get_or_insert_default()
-        .extend(outwards.iter().chain(&outwards).map(Vec3::to_array));
+    mesh.positions.extend(ring(0.0).chain(ring(height)).map(|position| position.to_array()));
+    mesh.normals.get_or_insert_default().extend(outwards.iter().chain(&outwards).map(Vec3::to_array));
     for side in 0..sides {
         let [a, b] = [base + side, base + (side + 1) % sides];
         mesh.indices.extend([a, b, b + sides, a, b + sides, a + sides]);
@@ -255,10 +223,7 @@ pub fn torus_knot(radius: f32, segments: u32, sides: u32) -> SceneMesh {
 
 /// A closed surface over two angles in 0..2π: `point(along, around)`, outwards on the right of `along` × `around`.
 fn sweep(segments: u32, sides: u32, point: impl Fn(f64, f64) -> DVec3) -> SceneMesh {
-    assert!(
-        segments >= 3 && sides >= 3,
-        "sweep of {segments} segments and {sides} sides: use 3 of each at least"
-    );
+    assert!(segments >= 3 && sides >= 3, "sweep of {segments} segments and {sides} sides: use 3 of each at least");
     let angle = |k: u32, count: u32| TAU * f64::from(k) / f64::from(count);
     let grid = (0..segments).flat_map(|segment| (0..sides).map(move |side| (segment, side)));
     let at = |segment: u32, side: u32| segment % segments * sides + side % sides;
@@ -288,9 +253,7 @@ pub fn append(mesh: &mut SceneMesh, part: &SceneMesh, transform: Affine3A) {
 fn push_face(mesh: &mut SceneMesh, corners: &[Vec3], normal: Vec3) {
     let base = mesh.positions.len() as u32;
     mesh.positions.extend(corners.iter().map(Vec3::to_array));
-    mesh.normals
-        .get_or_insert_default()
-        .resize(mesh.positions.len(), normal.to_array());
+    mesh.normals.get_or_insert_default().resize(mesh.positions.len(), normal.to_array());
     for k in 1..corners.len() as u32 - 1 {
         mesh.indices.extend([base, base + k, base + k + 1]);
     }
@@ -307,12 +270,7 @@ fn smooth(positions: Vec<Vec3>, indices: Vec<u32>) -> SceneMesh {
     }
     SceneMesh {
         positions: positions.iter().map(Vec3::to_array).collect(),
-        normals: Some(
-            normals
-                .iter()
-                .map(|normal| normal.normalize_or_zero().to_array())
-                .collect(),
-        ),
+        normals: Some(normals.iter().map(|normal| normal.normalize_or_zero().to_array()).collect()),
         indices,
         ..SceneMesh::default()
     }
@@ -326,11 +284,7 @@ mod tests {
 
     fn shapes() -> Vec<(&'static str, SceneMesh, usize)> {
         vec![
-            (
-                "cuboid",
-                cuboid(Vec3::new(-1.0, 0.0, 2.0), Vec3::new(1.0, 3.0, 2.5)),
-                12,
-            ),
+            ("cuboid", cuboid(Vec3::new(-1.0, 0.0, 2.0), Vec3::new(1.0, 3.0, 2.5)), 12),
             ("tetrahedron", tetrahedron(0.7), 4),
             ("icosphere", icosphere(2.0, 3), 1280),
             ("uv_sphere", uv_sphere(2.0, 14, 8), 196),
@@ -359,10 +313,7 @@ mod tests {
             let mut edges = HashSet::new();
             for first in (0..mesh.indices.len()).step_by(3) {
                 for (a, b) in [(0, 1), (1, 2), (2, 0)] {
-                    assert!(
-                        edges.insert((bits(first + a), bits(first + b))),
-                        "{name}: an edge runs twice one way"
-                    );
+                    assert!(edges.insert((bits(first + a), bits(first + b))), "{name}: an edge runs twice one way");
                 }
             }
             let open = edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a))).count();
@@ -381,10 +332,7 @@ mod tests {
                 for k in 0..3 {
                     let normal = Vec3::from(normals[mesh.indices[first + k] as usize]);
                     assert!((normal.length() - 1.0).abs() < 1e-5, "{name}: normal {normal}");
-                    assert!(
-                        normal.dot((b - a).cross(c - a)) > 0.0,
-                        "{name}: normal against its triangle"
-                    );
+                    assert!(normal.dot((b - a).cross(c - a)) > 0.0, "{name}: normal against its triangle");
                 }
             }
             assert!(volume > 0.0, "{name}: volume {volume}");

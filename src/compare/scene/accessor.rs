@@ -33,19 +33,15 @@ struct Layout {
 
 impl<'a> Reader<'a> {
     pub fn new(document: &'a Document) -> Self {
-        Self {
-            document,
-            left: Cell::new(MAX_ELEMENTS),
-        }
+        Self { document, left: Cell::new(MAX_ELEMENTS) }
     }
 
     /// All elements of accessor `index`, which must be of type `kind` with `N` components; `what` names it in errors.
     ///
     /// Normalised integers are mapped to 0..=1 or -1..=1, other integers keep their value; `f64` holds all exactly.
     pub fn read<const N: usize>(&self, index: usize, kind: Type, what: &str) -> Result<Vec<[f64; N]>, SceneError> {
-        let accessor = self.document.item(&self.document.root.accessors, index, || {
-            format!("the accessor of {what}")
-        })?;
+        let accessor =
+            self.document.item(&self.document.root.accessors, index, || format!("the accessor of {what}"))?;
         if accessor.type_ != Checked::Valid(kind) {
             return Err(self.invalid(index, what, format_args!("is not of type {kind:?}")));
         }
@@ -71,10 +67,7 @@ impl<'a> Reader<'a> {
             let Checked::Valid(type_of_index) = &sparse.indices.component_type else {
                 return Err(self.invalid(index, what, "has sparse indices of an unknown type"));
             };
-            let changed = Layout {
-                count: self.charge(sparse.count.0)?,
-                ..layout(0, 0)
-            };
+            let changed = Layout { count: self.charge(sparse.count.0)?, ..layout(0, 0) };
             let at = Layout {
                 view: sparse.indices.buffer_view.value(),
                 offset: sparse.indices.byte_offset.0,
@@ -82,11 +75,8 @@ impl<'a> Reader<'a> {
                 normalized: false,
                 ..changed
             };
-            let new = Layout {
-                view: sparse.values.buffer_view.value(),
-                offset: sparse.values.byte_offset.0,
-                ..changed
-            };
+            let new =
+                Layout { view: sparse.values.buffer_view.value(), offset: sparse.values.byte_offset.0, ..changed };
             let (at, new) = (self.elements::<1>(index, what, at)?, self.elements(index, what, new)?);
             for ([at], new) in at.into_iter().zip(new) {
                 let slot = values.get_mut(at as usize);
@@ -133,8 +123,7 @@ impl<'a> Reader<'a> {
     }
 
     fn invalid(&self, index: usize, what: &str, problem: impl std::fmt::Display) -> SceneError {
-        self.document
-            .invalid(format!("accessor {index}, used for {what}, {problem}"))
+        self.document.invalid(format!("accessor {index}, used for {what}, {problem}"))
     }
 }
 
@@ -145,10 +134,7 @@ fn component(kind: ComponentType, normalized: bool, bytes: &[u8]) -> f64 {
         ComponentType::U8 => (f64::from(bytes[0]), 255.0),
         ComponentType::I16 => (f64::from(i16::from_le_bytes([bytes[0], bytes[1]])), 32767.0),
         ComponentType::U16 => (f64::from(u16::from_le_bytes([bytes[0], bytes[1]])), 65535.0),
-        ComponentType::U32 => (
-            f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
-            4294967295.0,
-        ),
+        ComponentType::U32 => (f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])), 4294967295.0),
         ComponentType::F32 => {
             return f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
         }

@@ -44,14 +44,9 @@ impl Document {
         check_version(path, &root.asset.version)?;
         check_extensions(path, &root.extensions_required)?;
         let buffers = root.buffers.iter().enumerate();
-        let buffers = buffers
-            .map(|(index, buffer)| read_buffer(path, index, buffer, binary))
-            .collect::<Result<_, _>>()?;
-        Ok(Self {
-            path: path.to_owned(),
-            root,
-            buffers,
-        })
+        let buffers =
+            buffers.map(|(index, buffer)| read_buffer(path, index, buffer, binary)).collect::<Result<_, _>>()?;
+        Ok(Self { path: path.to_owned(), root, buffers })
     }
 
     /// The bytes of a buffer view, and its stride where it states one.
@@ -59,15 +54,11 @@ impl Document {
         let view = self.item(&self.root.buffer_views, index, || "a buffer view".to_owned())?;
         let buffer = view.buffer.value();
         let data = self.item(&self.buffers, buffer, || format!("the buffer of buffer view {index}"))?;
-        let data = data
-            .as_deref()
-            .ok_or_else(|| self.invalid(format!("buffer {buffer} has no data")))?;
+        let data = data.as_deref().ok_or_else(|| self.invalid(format!("buffer {buffer} has no data")))?;
         let start = view.byte_offset.map_or(0, |offset| offset.0);
         let bytes = slice(data, start, view.byte_length.0).ok_or_else(|| {
             let (length, held) = (view.byte_length.0, data.len());
-            self.invalid(format!(
-                "buffer view {index} takes {length} bytes at {start} of a buffer of {held}"
-            ))
+            self.invalid(format!("buffer view {index} takes {length} bytes at {start} of a buffer of {held}"))
         })?;
         Ok((bytes, view.byte_stride.map(|stride| stride.0)))
     }
@@ -93,18 +84,11 @@ impl Document {
     }
 
     pub fn invalid(&self, what: impl Into<String>) -> SceneError {
-        SceneError::Invalid {
-            path: self.path.clone(),
-            what: what.into(),
-        }
+        SceneError::Invalid { path: self.path.clone(), what: what.into() }
     }
 
     pub fn image_error(&self, image: usize, reason: impl ToString) -> SceneError {
-        SceneError::Image {
-            path: self.path.clone(),
-            image,
-            reason: reason.to_string(),
-        }
+        SceneError::Image { path: self.path.clone(), image, reason: reason.to_string() }
     }
 }
 
@@ -115,17 +99,11 @@ pub(super) fn slice(data: &[u8], start: u64, length: u64) -> Option<&[u8]> {
 }
 
 fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
-    std::fs::read(path).map_err(|source| SceneError::Read {
-        path: path.to_owned(),
-        source,
-    })
+    std::fs::read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })
 }
 
 fn format_error(path: &Path, reason: impl ToString) -> SceneError {
-    SceneError::Format {
-        path: path.to_owned(),
-        reason: reason.to_string(),
-    }
+    SceneError::Format { path: path.to_owned(), reason: reason.to_string() }
 }
 
 /// The JSON and the binary chunk of a `.glb`, or a `.gltf` as it is.
@@ -133,11 +111,7 @@ fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>
     if !bytes.starts_with(b"glTF") {
         return Ok((bytes, None));
     }
-    let word = |at: usize| {
-        bytes
-            .get(at..at + 4)
-            .map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
-    };
+    let word = |at: usize| bytes.get(at..at + 4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
     match word(4) {
         Some(2) => {}
         Some(version) => {
@@ -147,12 +121,7 @@ fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>
     }
     let chunk = |at: usize, kind: &[u8; 4]| {
         let name = String::from_utf8_lossy(kind).trim_end_matches('\0').to_owned();
-        let cut = || {
-            format_error(
-                path,
-                format!("it ends within its {name} chunk, at byte {}", bytes.len()),
-            )
-        };
+        let cut = || format_error(path, format!("it ends within its {name} chunk, at byte {}", bytes.len()));
         let length = word(at).ok_or_else(cut)?;
         if bytes.get(at + 4..at + 8) != Some(kind) {
             return Err(format_error(path, format!("there is no {name} chunk at byte {at}")));
@@ -161,11 +130,7 @@ fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>
     };
     let text = chunk(12, b"JSON")?;
     let next = 20 + text.len();
-    let binary = if bytes.len() > next {
-        Some(chunk(next, b"BIN\0")?)
-    } else {
-        None
-    };
+    let binary = if bytes.len() > next { Some(chunk(next, b"BIN\0")?) } else { None };
     Ok((text, binary))
 }
 
@@ -188,11 +153,7 @@ fn check_extensions(path: &Path, required: &[String]) -> Result<(), SceneError> 
         "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" => "convert its images to PNG or JPEG",
         _ => "export it without that extension",
     };
-    Err(SceneError::Extension {
-        path: path.to_owned(),
-        extension: extension.clone(),
-        remedy,
-    })
+    Err(SceneError::Extension { path: path.to_owned(), extension: extension.clone(), remedy })
 }
 
 fn read_buffer(
@@ -208,10 +169,7 @@ fn read_buffer(
     };
     let declared = buffer.byte_length.0;
     if let Some(held) = data.as_ref().map(Vec::len).filter(|&held| (held as u64) < declared) {
-        return Err(format_error(
-            path,
-            format!("buffer {index} has {held} bytes where {declared} are declared"),
-        ));
+        return Err(format_error(path, format!("buffer {index} has {held} bytes where {declared} are declared")));
     }
     Ok(data)
 }
@@ -219,9 +177,8 @@ fn read_buffer(
 /// The bytes behind a `data:` URI, or of a file named relative to `path`.
 fn read_uri(path: &Path, uri: &str) -> Result<Vec<u8>, SceneError> {
     if let Some(rest) = uri.strip_prefix("data:") {
-        let (_, text) = rest
-            .split_once(";base64,")
-            .ok_or_else(|| format_error(path, "it has a data URI that is not in base64"))?;
+        let (_, text) =
+            rest.split_once(";base64,").ok_or_else(|| format_error(path, "it has a data URI that is not in base64"))?;
         return decode_base64(text).ok_or_else(|| format_error(path, "it has a data URI with broken base64"));
     }
     let named = percent_decode(uri).filter(|name| !name.contains("://"));
@@ -253,9 +210,7 @@ fn decode_base64(text: &str) -> Option<Vec<u8>> {
     let text = text.trim_end_matches('=').as_bytes();
     let mut out = Vec::with_capacity(text.len() * 3 / 4);
     for group in text.chunks(4) {
-        let bits = group
-            .iter()
-            .try_fold(0_u32, |bits, &byte| Some(bits << 6 | u32::from(digit(byte)?)))?;
+        let bits = group.iter().try_fold(0_u32, |bits, &byte| Some(bits << 6 | u32::from(digit(byte)?)))?;
         let missing = 4 - group.len();
         let bytes = (bits << (6 * missing)).to_be_bytes();
         // A group of one digit holds no whole byte.
@@ -270,14 +225,8 @@ mod tests {
 
     #[test]
     fn base64_matches_the_examples_of_rfc_4648() {
-        let cases = [
-            ("", ""),
-            ("Zg==", "f"),
-            ("Zm8=", "fo"),
-            ("Zm9v", "foo"),
-            ("Zm9vYg==", "foob"),
-            ("Zm9vYmFy", "foobar"),
-        ];
+        let cases =
+            [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYg==", "foob"), ("Zm9vYmFy", "foobar")];
         for (text, plain) in cases {
             assert_eq!(decode_base64(text).as_deref(), Some(plain.as_bytes()), "{text:?}");
         }

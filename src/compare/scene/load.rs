@@ -26,10 +26,7 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     let mut loader = Loader {
         reader: Reader::new(&document),
         document: &document,
-        scene: Scene {
-            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-            ..Scene::default()
-        },
+        scene: Scene { name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), ..Scene::default() },
         meshes: HashMap::new(),
         materials: HashMap::new(),
         images: HashMap::new(),
@@ -89,20 +86,14 @@ impl Loader<'_> {
             return Ok(());
         };
         let meshes = self.mesh(mesh.value())?;
-        let placements = match node
-            .extensions
-            .as_ref()
-            .and_then(|extensions| extensions.others.get(INSTANCING))
-        {
+        let placements = match node.extensions.as_ref().and_then(|extensions| extensions.others.get(INSTANCING)) {
             Some(extension) => self.placements(index, extension)?,
             None => vec![DAffine3::IDENTITY],
         };
         self.check_instances(placements.len().saturating_mul(meshes.len()))?;
         for placement in placements {
             let transform = self.round(index, world * placement)?;
-            self.scene
-                .instances
-                .extend(meshes.clone().map(|mesh| SceneInstance { mesh, transform }));
+            self.scene.instances.extend(meshes.clone().map(|mesh| SceneInstance { mesh, transform }));
         }
         Ok(())
     }
@@ -111,11 +102,7 @@ impl Loader<'_> {
         if self.scene.instances.len().saturating_add(added) <= MAX_INSTANCES {
             return Ok(());
         }
-        Err(SceneError::TooLarge {
-            path: self.document.path.clone(),
-            what: "instances",
-            limit: MAX_INSTANCES,
-        })
+        Err(SceneError::TooLarge { path: self.document.path.clone(), what: "instances", limit: MAX_INSTANCES })
     }
 
     fn local_transform(&self, index: usize, node: &json::Node) -> Result<DAffine3, SceneError> {
@@ -139,15 +126,11 @@ impl Loader<'_> {
         let rotation = DQuat::from_array(rotation);
         // Rounded and normalised-integer quaternions are not quite of length one.
         if !rotation.is_finite() || rotation.length() < 0.5 {
-            return Err(self.document.invalid(format!(
-                "node {node} has the rotation {rotation}, which is not of length 1"
-            )));
+            return Err(self
+                .document
+                .invalid(format!("node {node} has the rotation {rotation}, which is not of length 1")));
         }
-        Ok(DAffine3::from_scale_rotation_translation(
-            scale.into(),
-            rotation.normalize(),
-            translation.into(),
-        ))
+        Ok(DAffine3::from_scale_rotation_translation(scale.into(), rotation.normalize(), translation.into()))
     }
 
     fn round(&self, node: usize, world: DAffine3) -> Result<Affine3A, SceneError> {
@@ -160,9 +143,7 @@ impl Loader<'_> {
             column(world.translation).into(),
         );
         if !rounded.is_finite() {
-            return Err(self
-                .document
-                .invalid(format!("the world transform of node {node} is not finite")));
+            return Err(self.document.invalid(format!("the world transform of node {node} is not finite")));
         }
         Ok(rounded)
     }
@@ -172,20 +153,13 @@ impl Loader<'_> {
         let translation = self.instance_attribute::<3>(node, extension, "TRANSLATION", Type::Vec3)?;
         let rotation = self.instance_attribute::<4>(node, extension, "ROTATION", Type::Vec4)?;
         let scale = self.instance_attribute::<3>(node, extension, "SCALE", Type::Vec3)?;
-        let counts = [
-            translation.as_ref().map(Vec::len),
-            rotation.as_ref().map(Vec::len),
-            scale.as_ref().map(Vec::len),
-        ];
+        let counts =
+            [translation.as_ref().map(Vec::len), rotation.as_ref().map(Vec::len), scale.as_ref().map(Vec::len)];
         let count = counts.into_iter().flatten().next();
-        let count = count.ok_or_else(|| {
-            self.document
-                .invalid(format!("node {node} is instanced without attributes"))
-        })?;
+        let count =
+            count.ok_or_else(|| self.document.invalid(format!("node {node} is instanced without attributes")))?;
         if counts.into_iter().flatten().any(|other| other != count) {
-            return Err(self
-                .document
-                .invalid(format!("the instance attributes of node {node} differ in length")));
+            return Err(self.document.invalid(format!("the instance attributes of node {node} differ in length")));
         }
         // Before memory is taken for them; an accessor without data can state any count.
         self.check_instances(count)?;
@@ -210,41 +184,21 @@ impl Loader<'_> {
         };
         let what = format!("the instance attribute {name} of node {node}");
         let index = value.as_u64().and_then(|index| usize::try_from(index).ok());
-        let index = index.ok_or_else(|| {
-            self.document
-                .invalid(format!("{what} is {value}, which is no accessor"))
-        })?;
+        let index = index.ok_or_else(|| self.document.invalid(format!("{what} is {value}, which is no accessor")))?;
         self.reader.read(index, kind, &what).map(Some)
     }
 
     fn add_light(&mut self, index: usize, world: DAffine3) -> Result<(), SceneError> {
-        let extension = self
-            .document
-            .root
-            .extensions
-            .as_ref()
-            .and_then(|all| all.khr_lights_punctual.as_ref());
+        let extension = self.document.root.extensions.as_ref().and_then(|all| all.khr_lights_punctual.as_ref());
         let lights = extension.map_or(&[][..], |extension| &extension.lights);
         let light = self.document.item(lights, index, || "the light of a node".to_owned())?;
         let position = world.translation.as_vec3();
         if !position.is_finite() {
-            return Err(self
-                .document
-                .invalid(format!("the position of light {index} is not finite")));
+            return Err(self.document.invalid(format!("the position of light {index} is not finite")));
         }
         if light.type_ == Checked::Valid(khr_lights_punctual::Type::Point) {
-            let &khr_lights_punctual::Light {
-                color,
-                intensity,
-                range,
-                ..
-            } = light;
-            self.scene.lights.push(SceneLight {
-                position,
-                color,
-                intensity,
-                range,
-            });
+            let &khr_lights_punctual::Light { color, intensity, range, .. } = light;
+            self.scene.lights.push(SceneLight { position, color, intensity, range });
         }
         Ok(())
     }
@@ -276,49 +230,30 @@ impl Loader<'_> {
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             return Ok(None);
         }
-        let attribute = |semantic| {
-            primitive
-                .attributes
-                .get(&Checked::Valid(semantic))
-                .map(|index| index.value())
-        };
+        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|index| index.value());
         let positions =
             attribute(Semantic::Positions).ok_or_else(|| self.document.invalid(format!("{name} has no POSITION")))?;
         let positions = self.vectors(positions, &format!("the positions of {name}"))?;
-        if let Some(at) = positions
-            .iter()
-            .position(|position| !position.iter().all(|x| x.is_finite()))
-        {
-            return Err(self
-                .document
-                .invalid(format!("{name} has a position that is not finite, at vertex {at}")));
+        if let Some(at) = positions.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
+            return Err(self.document.invalid(format!("{name} has a position that is not finite, at vertex {at}")));
         }
         let vertices = positions.len();
         let normals = attribute(Semantic::Normals)
             .map(|index| self.vectors(index, &format!("the normals of {name}")))
             .transpose()?;
         let tex_coords = attribute(Semantic::TexCoords(self.tex_coord_set(primitive.material)))
-            .map(|index| {
-                self.reader
-                    .read::<2>(index, Type::Vec2, &format!("the texture coordinates of {name}"))
-            })
+            .map(|index| self.reader.read::<2>(index, Type::Vec2, &format!("the texture coordinates of {name}")))
             .transpose()?
             .map(|all| all.into_iter().map(|pair| pair.map(|x| x as f32)).collect::<Vec<_>>());
         let lengths = [normals.as_ref().map(Vec::len), tex_coords.as_ref().map(Vec::len)];
         if let Some(length) = lengths.into_iter().flatten().find(|&length| length != vertices) {
-            return Err(self.document.invalid(format!(
-                "{name} has {vertices} positions but {length} of another attribute"
-            )));
+            return Err(self
+                .document
+                .invalid(format!("{name} has {vertices} positions but {length} of another attribute")));
         }
         let corners = self.corners(name, primitive.indices, vertices)?;
         let material = self.material(primitive.material.map(|material| material.value()))?;
-        Ok(Some(SceneMesh {
-            positions,
-            normals,
-            tex_coords,
-            indices: triangle_list(mode, &corners),
-            material,
-        }))
+        Ok(Some(SceneMesh { positions, normals, tex_coords, indices: triangle_list(mode, &corners), material }))
     }
 
     fn vectors(&self, index: usize, what: &str) -> Result<Vec<[f32; 3]>, SceneError> {
@@ -336,9 +271,7 @@ impl Loader<'_> {
         let Some(accessor) = accessor else {
             return Ok((0..vertices as u32).collect());
         };
-        let corners = self
-            .reader
-            .read::<1>(accessor.value(), Type::Scalar, &format!("the indices of {name}"))?;
+        let corners = self.reader.read::<1>(accessor.value(), Type::Scalar, &format!("the indices of {name}"))?;
         let valid = |&[index]: &[f64; 1]| index >= 0.0 && index < vertices as f64 && index.fract() == 0.0;
         if let Some(bad) = corners.iter().position(|corner| !valid(corner)) {
             return Err(SceneError::Index {
@@ -373,14 +306,10 @@ impl Loader<'_> {
 
     fn convert_material(&mut self, index: usize) -> Result<Material, SceneError> {
         let document = self.document;
-        let material = document.item(&document.root.materials, index, || {
-            "the material of a primitive".to_owned()
-        })?;
+        let material = document.item(&document.root.materials, index, || "the material of a primitive".to_owned())?;
         let alpha = match material.alpha_mode {
             Checked::Valid(AlphaMode::Opaque) => Alpha::Opaque,
-            Checked::Valid(AlphaMode::Mask) => Alpha::Mask {
-                cutoff: material.alpha_cutoff.unwrap_or_default().0,
-            },
+            Checked::Valid(AlphaMode::Mask) => Alpha::Mask { cutoff: material.alpha_cutoff.unwrap_or_default().0 },
             Checked::Valid(AlphaMode::Blend) => Alpha::Blend,
             Checked::Invalid => {
                 return Err(document.invalid(format!("material {index} has an unknown alpha mode")));
@@ -400,9 +329,7 @@ impl Loader<'_> {
     /// The decoded image behind a texture, as an index into the scene's images.
     fn texture(&mut self, index: usize) -> Result<usize, SceneError> {
         let document = self.document;
-        let texture = document.item(&document.root.textures, index, || {
-            "the texture of a material".to_owned()
-        })?;
+        let texture = document.item(&document.root.textures, index, || "the texture of a material".to_owned())?;
         let source = texture.source.value();
         // How the schema crate says "absent", which is so where only an extension names the image.
         if source == u32::MAX as usize {
@@ -432,9 +359,7 @@ fn triangle_list(mode: Mode, corners: &[u32]) -> Vec<u32> {
             let triangle = |i: usize| [corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]];
             (0..triangles).flat_map(triangle).collect()
         }
-        Mode::TriangleFan => (0..triangles)
-            .flat_map(|i| [corners[i + 1], corners[i + 2], corners[0]])
-            .collect(),
+        Mode::TriangleFan => (0..triangles).flat_map(|i| [corners[i + 1], corners[i + 2], corners[0]]).collect(),
         _ => corners[..corners.len() / 3 * 3].to_vec(),
     }
 }

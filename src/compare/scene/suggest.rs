@@ -61,29 +61,16 @@ pub(super) fn light(scene: &Scene) -> Vec3 {
     let candidates = (0..CANDIDATES).map(|k| low + size * low_discrepancy(k));
     let mut ranked: Vec<_> = candidates.map(|point| (score(point, sketch.coarse()), point)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let shortlist = ranked
-        .iter()
-        .take(SHORTLIST)
-        .map(|&(_, point)| (score(point, &sketch.triangles), point));
-    shortlist
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or(Vec3::ZERO, |(_, point)| point)
+    let shortlist = ranked.iter().take(SHORTLIST).map(|&(_, point)| (score(point, &sketch.triangles), point));
+    shortlist.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(Vec3::ZERO, |(_, point)| point)
 }
 
 pub(super) fn camera(scene: &Scene, light: Vec3) -> Camera {
     let Some(sketch) = Sketch::of(scene) else {
-        return Camera {
-            eye: light + Vec3::Z,
-            target: light,
-            fov_y: FRAC_PI_4,
-        };
+        return Camera { eye: light + Vec3::Z, target: light, fov_y: FRAC_PI_4 };
     };
     let view = View::of(&sketch.triangles, light, &sphere_directions(RAYS));
-    if view.hit >= ENCLOSED {
-        sketch.inside(light)
-    } else {
-        sketch.outside(light)
-    }
+    if view.hit >= ENCLOSED { sketch.inside(light) } else { sketch.outside(light) }
 }
 
 impl Sketch {
@@ -94,11 +81,7 @@ impl Sketch {
         largest_first(&mut sampled, FINE);
         sampled.truncate(FINE);
         largest_first(&mut sampled, COARSE);
-        Some(Self {
-            triangles: sampled,
-            low,
-            high,
-        })
+        Some(Self { triangles: sampled, low, high })
     }
 
     fn coarse(&self) -> &[[Vec3; 3]] {
@@ -118,9 +101,8 @@ impl Sketch {
             Vec3::new(cos, 0.0, sin)
         });
         let views = around.map(|direction| (self.free(light, direction), direction));
-        let (ahead, direction) = views
-            .reduce(|best, next| if next.0 > best.0 { next } else { best })
-            .unwrap_or_default();
+        let (ahead, direction) =
+            views.reduce(|best, next| if next.0 > best.0 { next } else { best }).unwrap_or_default();
         let behind = 0.7 * self.free(light, -direction);
         let lowered = 0.25 * self.free(light, Vec3::NEG_Y);
         Camera {
@@ -135,24 +117,14 @@ impl Sketch {
         let center = (low + high) / 2.0;
         let radius = ((high - low).length() / 2.0).max(1e-3);
         let direction = Vec3::new(0.55, 0.45, 1.0).normalize();
-        Camera {
-            eye: center + direction * (radius / (FRAC_PI_4 / 2.0).sin()),
-            target: center,
-            fov_y: FRAC_PI_4,
-        }
+        Camera { eye: center + direction * (radius / (FRAC_PI_4 / 2.0).sin()), target: center, fov_y: FRAC_PI_4 }
     }
 }
 
 impl View {
     fn of(triangles: &[[Vec3; 3]], point: Vec3, directions: &[Vec3]) -> Self {
-        let hits = directions
-            .iter()
-            .filter_map(|&direction| first_hit(triangles, point, direction));
-        let mut view = Self {
-            hit: 0.0,
-            back: 0.0,
-            clearance: f32::MAX,
-        };
+        let hits = directions.iter().filter_map(|&direction| first_hit(triangles, point, direction));
+        let mut view = Self { hit: 0.0, back: 0.0, clearance: f32::MAX };
         let share = 1.0 / directions.len() as f32;
         for (distance, front) in hits {
             view.hit += share;
@@ -165,9 +137,7 @@ impl View {
 
 /// Distance along the unit `direction`, and whether the front is hit.
 fn first_hit(triangles: &[[Vec3; 3]], origin: Vec3, direction: Vec3) -> Option<(f32, bool)> {
-    let hits = triangles
-        .iter()
-        .filter_map(|triangle| intersect(origin, direction, triangle));
+    let hits = triangles.iter().filter_map(|triangle| intersect(origin, direction, triangle));
     hits.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
@@ -186,17 +156,9 @@ fn sample(scene: &Scene) -> Vec<[Vec3; 3]> {
     for instance in &scene.instances {
         let mesh = &scene.meshes[instance.mesh];
         let stride = sparse.min((mesh.triangle_count() / EXAMINED_PER_INSTANCE).max(1));
-        let world = |index: u32| {
-            instance
-                .transform
-                .transform_point3(mesh.positions[index as usize].into())
-        };
+        let world = |index: u32| instance.transform.transform_point3(mesh.positions[index as usize].into());
         // A mirrored instance turns its triangles inside out.
-        let [second, third] = if instance.transform.matrix3.determinant() < 0.0 {
-            [2, 1]
-        } else {
-            [1, 2]
-        };
+        let [second, third] = if instance.transform.matrix3.determinant() < 0.0 { [2, 1] } else { [1, 2] };
         let corners = mesh.indices.chunks_exact(3).step_by(stride);
         out.extend(corners.map(|corner| [world(corner[0]), world(corner[second]), world(corner[third])]));
     }
