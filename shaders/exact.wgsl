@@ -18,14 +18,30 @@ struct Vertex {
 fn exact_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) place: u32) -> Vertex {
     let at = 3u * (view.list_capacity * (HEMISPHERE + 1u) - 1u - place);
     var result: Vertex;
-    // One triangle that covers the map; none for a triangle whose pieces all had room.
-    let covers = (lists[at] & OVERFLOW_FLAG) != 0u;
-    let corner = vec2<f32>(f32((vertex << 1u) & 2u), f32(vertex & 2u)) * 2.0 - 1.0;
-    result.position = select(vec4<f32>(), vec4<f32>(corner, 0.5, 1.0), covers);
     result.a = hemisphere_position(lists[at]);
     result.b = hemisphere_position(lists[at + 1u]);
     result.c = hemisphere_position(lists[at + 2u]);
+    let corner = vec2<f32>(f32(vertex & 1u), f32(vertex >> 1u));
+    let bounds = map_bounds(dp_project(result.a), dp_project(result.b), dp_project(result.c));
+    // Nothing for a triangle whose pieces all had room.
+    let covers = (lists[at] & OVERFLOW_FLAG) != 0u;
+    result.position = select(vec4<f32>(), vec4<f32>(mix(bounds.xy, bounds.zw, corner), 0.5, 1.0), covers);
     return result;
+}
+
+// Least and greatest x and y of normalised device coordinates that a triangle may cover.
+fn map_bounds(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> vec4<f32> {
+    let farthest = max(dot(a, a), max(dot(b, b), dot(c, c)));
+    if farthest > 1.4 {
+        // It may lie around the axis behind, and cover everything outside of its arcs.
+        return vec4<f32>(-1.0, -1.0, 1.0, 1.0);
+    }
+    // An arc of less than half a circle is within half its chord of it.
+    let reach = 0.5 * max(distance(a, b), max(distance(b, c), distance(c, a))) + 2.0 / view.texels;
+    let scale = 2.0 * view.texels / view.resolution;
+    let low = (min(a, min(b, c)) - reach) * scale;
+    let high = (max(a, max(b, c)) + reach) * scale;
+    return clamp(vec4<f32>(low, high), vec4<f32>(-1.0), vec4<f32>(1.0));
 }
 
 fn hemisphere_position(entry: u32) -> vec3<f32> {

@@ -177,7 +177,10 @@ fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> Fate {
     if is_culled(a.xy, b.xy, c.xy, cull) {
         return Fate(select(DROP, BACK, rule == CULL_CLOSED), vec3<u32>());
     }
-    return Fate(select(DRAW, DROP, REJECT && is_between_texels(a.xy, b.xy, c.xy)), vec3<u32>());
+    if REJECT && is_between_texels(a.xy, b.xy, c.xy) {
+        return Fate(DROP, vec3<u32>());
+    }
+    return Fate(DRAW, vec3<u32>());
 }
 
 fn mark_turned(vertex: u32) {
@@ -196,8 +199,10 @@ fn fate_of_back(packed: u32) -> u32 {
     if shared_corners == 0u && !is_turned(local.x) && !is_turned(local.y) && !is_turned(local.z) {
         return DROP;
     }
-    let between = is_between_texels(corners[local.x].xy, corners[local.y].xy, corners[local.z].xy);
-    return select(DRAW, DROP, between);
+    let a = corners[local.x].xy;
+    let b = corners[local.y].xy;
+    let c = corners[local.z].xy;
+    return select(DRAW, DROP, is_between_texels(a, b, c));
 }
 
 fn write_entry(at: u32, entry: vec3<u32>) {

@@ -21,7 +21,7 @@ struct Piece {
     a: vec3<f32>,
     b: vec3<f32>,
     c: vec3<f32>,
-    // Bits 0-21 the place in the list, 22-23 the cull flags, 24-26 the edges of a whole triangle, 27-31 the level.
+    // Bits 0-21 the place in the list, 22-23 the cull flags, 24-26 the edges that are not to be cut, 27-31 the level.
     info: u32,
 }
 
@@ -131,7 +131,7 @@ fn whole_triangle(hemisphere: u32, place: u32) -> Piece {
         relative_position(a & VERTEX_MASK),
         relative_position(b & VERTEX_MASK),
         relative_position(c & VERTEX_MASK),
-        place | (culls << 22u) | (edges << 24u),
+        place | (culls << 22u) | ((edges ^ 7u) << 24u),
     );
 }
 
@@ -144,7 +144,7 @@ fn corner(relative: vec3<f32>, hemisphere: u32) -> vec3<f32> {
     return project_corner(dp_to_hemisphere(light_space(relative), hemisphere == 1u));
 }
 
-// Pushes the parts of a piece, or returns true if it is to be drawn as it is.
+// Pushes the parts of a piece, or returns true if it is to be drawn.
 fn cut(piece: Piece, hemisphere: u32) -> bool {
     let a = corner(piece.a, hemisphere);
     let b = corner(piece.b, hemisphere);
@@ -155,9 +155,12 @@ fn cut(piece: Piece, hemisphere: u32) -> bool {
         return false;
     }
     let level = piece.info >> 27u;
-    var edges = (piece.info >> 24u) & 7u;
+    // What the route has decided about the edges of whole triangles stands: another shader may round another way, and
+    // the neighbour may not have come here.
+    let kept = (piece.info >> 24u) & 7u;
+    var edges = kept ^ 7u;
     if level > 0u {
-        edges = edges_to_split(a.xy, b.xy, c.xy);
+        edges &= edges_to_split(a.xy, b.xy, c.xy);
     }
     if edges == 0u || level == MOST_LEVELS {
         let cull = select(0.0, 1.0, (piece.info & (1u << 22u)) != 0u) - select(0.0, 1.0, (piece.info & (2u << 22u)) != 0u);
@@ -172,27 +175,32 @@ fn push_parts(piece: Piece, edges: u32) {
     var a = piece.a;
     var b = piece.b;
     var c = piece.c;
+    var kept = (piece.info >> 24u) & 7u;
     if edges == 2u || edges == 6u {
         a = piece.b;
         b = piece.c;
         c = piece.a;
+        kept = (kept >> 1u) | ((kept & 1u) << 2u);
     } else if edges == 4u || edges == 5u {
         a = piece.c;
         b = piece.a;
         c = piece.b;
+        kept = ((kept << 1u) & 7u) | (kept >> 2u);
     }
     let info = (piece.info & 0xffffffu) | (((piece.info >> 27u) + 1u) << 27u);
+    let second = (kept & 2u) << 24u;
+    let third = (kept & 4u) << 24u;
     let ab = dp_bisect(a, b);
     if countOneBits(edges) == 1u {
-        push(Piece(a, ab, c, info));
-        push(Piece(ab, b, c, info));
+        push(Piece(a, ab, c, info | third));
+        push(Piece(ab, b, c, info | second));
         return;
     }
     let bc = dp_bisect(b, c);
     push(Piece(ab, b, bc, info));
     if countOneBits(edges) == 2u {
         push(Piece(a, ab, bc, info));
-        push(Piece(a, bc, c, info));
+        push(Piece(a, bc, c, info | third));
         return;
     }
     let ca = dp_bisect(c, a);
@@ -203,6 +211,9 @@ fn push_parts(piece: Piece, edges: u32) {
 
 // Room for `count` pieces: where they go. Pieces from the capacity on have no room.
 fn reserve(hemisphere: u32, count: u32) -> u32 {
+    if count == 0u {
+        return 0u;
+    }
     let base = atomicAdd(&arguments.pieces_wanted[hemisphere], count);
     atomicMax(&arguments.pieces[hemisphere].vertex_count, 3u * min(base + count, view.piece_capacity));
     return base;
@@ -223,6 +234,6 @@ fn write_leaf(hemisphere: u32, base: u32, place: u32, piece: Piece) {
 // The whole triangle is drawn exactly, besides the pieces of it that had room.
 fn mark_overflow(hemisphere: u32, place: u32) {
     lists[list_place(hemisphere, place)] |= OVERFLOW_FLAG;
-    atomicMax(&arguments.exact[hemisphere].vertex_count, 3u);
+    atomicMax(&arguments.exact[hemisphere].vertex_count, 4u);
     atomicMax(&arguments.exact[hemisphere].instance_count, place + 1u);
 }

@@ -168,7 +168,7 @@ fn exact_pipeline(
             compilation_options: compilation_options.clone(),
             buffers: &[],
         },
-        primitive: wgpu::PrimitiveState::default(),
+        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
         depth_stencil: Some(gpu::depth_state()),
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {

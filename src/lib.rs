@@ -5,6 +5,7 @@ mod casters;
 mod chunks;
 #[cfg(feature = "compare")]
 pub mod compare;
+mod demand;
 mod depth;
 mod error;
 mod gpu;

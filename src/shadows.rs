@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::casters::Casters;
+use crate::demand::Demand;
 use crate::depth::{Depth, Sources};
 use crate::gpu;
 use crate::light::PointLight;
@@ -71,6 +72,9 @@ pub struct PointShadows {
     depth: Depth,
     views: wgpu::Buffer,
     arguments: wgpu::Buffer,
+    demand: Demand,
+    /// Pieces that a hemisphere wanted at most, as far as it is known.
+    wanted: u32,
     /// Jobs of the last recording that made a map.
     jobs: usize,
     groups: Option<Groups>,
@@ -124,6 +128,8 @@ impl PointShadows {
             depth: Depth::new(device, capacity),
             views: job_buffer(device, "views", capacity, wgpu::BufferUsages::UNIFORM),
             arguments: argument_buffer(device, capacity),
+            demand: Demand::new(device, capacity),
+            wanted: 0,
             jobs: 0,
             groups: None,
         })
@@ -178,6 +184,7 @@ impl PointShadows {
     ) -> u32 {
         casters.update(device, queue, encoder);
         self.mark_touched(casters);
+        self.read_demand();
         for layer in std::mem::take(&mut self.removed) {
             self.lookup.write(queue, layer, None, &self.shape);
         }
@@ -190,8 +197,18 @@ impl PointShadows {
         }
         if !stale.is_empty() {
             self.record_lights(device, queue, encoder, casters, &stale);
+            self.demand.record(encoder, &self.arguments, self.jobs);
         }
         stale.len() as u32
+    }
+
+    /// If pieces found no room in an earlier recording, sees to it that they do now.
+    fn read_demand(&mut self) {
+        let Some(wanted) = self.demand.take() else { return };
+        self.wanted = self.wanted.max(wanted);
+        if wanted > self.split.capacity() {
+            self.lights.iter_mut().for_each(|(_, entry)| entry.stale = true);
+        }
     }
 
     /// Marks the lights that a change of the casters has reached.
@@ -218,7 +235,7 @@ impl PointShadows {
         casters: &Casters,
         stale: &[(u32, PointLight)],
     ) {
-        let replaced = self.route.fit(device, casters) | self.split.fit(device, &self.shape, self.route.capacity());
+        let replaced = self.route.fit(device, casters) | self.split.fit(device, &self.shape, self.wanted);
         let ranges = self.route.jobs(casters);
         self.write_jobs(device, queue, stale, &ranges);
         let key = (casters.owner(), casters.generation());
@@ -271,6 +288,7 @@ impl PointShadows {
         if jobs as u64 * SLOT > self.views.size() {
             self.views = job_buffer(device, "views", jobs as u32, wgpu::BufferUsages::UNIFORM);
             self.arguments = argument_buffer(device, jobs as u32);
+            self.demand = Demand::new(device, jobs as u32);
             self.groups = None;
         }
         let mut views = vec![0u8; jobs * SLOT as usize];

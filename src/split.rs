@@ -28,18 +28,18 @@ impl Split {
         Self { pipeline, layout, pieces: pieces(device, 1), capacity: 1 }
     }
 
-    /// Makes room for the pieces of `triangles`; returns whether the buffer was replaced.
+    /// Makes room for the pieces of surfaces that fill the maps a few times over, and for the `wanted` that an earlier
+    /// recording counted; returns whether the buffer was replaced. Triangles whose pieces find no room all the same
+    /// are drawn exactly.
     ///
-    /// A surface that fills a hemisphere takes about `R / (2 tolerance)` pieces at the least, and two to three times
-    /// that as triangles come; the rest is for surfaces behind one another and for triangles of a few pieces each.
-    /// Triangles whose pieces find no room are drawn exactly.
-    pub(crate) fn fit(&mut self, device: &wgpu::Device, shape: &MapShape, triangles: u32) -> bool {
+    /// A surface that fills a hemisphere takes about `R / (2 tolerance)` pieces.
+    pub(crate) fn fit(&mut self, device: &wgpu::Device, shape: &MapShape, wanted: u32) -> bool {
         let surfaces = (16.0 * shape.resolution as f32 / shape.tolerance) as u64;
-        let few_each = u64::from(triangles / 2).min(1 << 19);
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / (2 * PIECE_SIZE);
-        let wanted = (surfaces + few_each).clamp(16_384, 1 << 22).min(limit) as u32;
-        if wanted <= self.capacity && wanted >= self.capacity / 4 {
+        let counted = u64::from(wanted) + u64::from(wanted / 4);
+        let wanted = surfaces.max(counted).clamp(16_384, 1 << 22).min(limit) as u32;
+        if wanted <= self.capacity {
             return false;
         }
         self.capacity = wanted;

