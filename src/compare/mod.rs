@@ -1,5 +1,7 @@
-//! What the library is held against: a ray-cast reference, error figures, scenes. Feature `compare`.
+//! What the library is held against: a ray-cast reference, error figures, scenes, other methods and their
+//! times. Feature `compare`.
 
+pub mod baselines;
 pub mod error_figures;
 mod fill;
 pub mod gpu;
@@ -7,5 +9,6 @@ pub mod ideal;
 pub mod procedural;
 pub mod reference;
 pub mod scene;
+pub mod timing;
 
 pub use fill::fill;
