@@ -6,6 +6,7 @@
 mod cube;
 mod cube_lookup;
 mod cube_map;
+mod cube_routed;
 mod culling;
 mod depth_view;
 mod instanced;
@@ -16,6 +17,7 @@ mod scene_buffers;
 mod vertex_warp;
 
 pub use cube::{Cube, CubeMultiview, Culling};
+pub use cube_routed::CubeRouted;
 pub use depth_view::DepthView;
 pub use lookup::{ConstantBias, Lookup};
 pub use method::{Budget, Method, UnknownMethod};
@@ -92,6 +94,7 @@ enum Kind {
     Pair(Box<Pair>),
     VertexWarp(VertexWarp),
     Cube(Cube),
+    CubeRouted(CubeRouted),
     CubeMultiview(CubeMultiview),
     DepthView(DepthView),
 }
@@ -147,6 +150,7 @@ impl Baseline {
             Kind::Pair(pair) => pair.record(device, queue, encoder, &mut scene.chunked, light)?,
             Kind::VertexWarp(warp) => warp.record(device, queue, encoder, instanced, light, bias),
             Kind::Cube(cube) => cube.record(device, queue, encoder, instanced, light, bias),
+            Kind::CubeRouted(cube) => cube.record(device, queue, encoder, &mut scene.chunked, light, bias),
             Kind::CubeMultiview(cube) => cube.record(device, queue, encoder, instanced, light, bias),
             Kind::DepthView(view) => view.record(device, queue, encoder, instanced),
         }
@@ -160,6 +164,7 @@ impl Baseline {
             Kind::Pair(pair) => pair.shadows().maps(),
             Kind::VertexWarp(warp) => warp.map(),
             Kind::Cube(cube) => cube.map(),
+            Kind::CubeRouted(cube) => cube.map(),
             Kind::CubeMultiview(cube) => cube.map(),
             Kind::DepthView(view) => view.map(),
         }
@@ -180,6 +185,7 @@ impl Baseline {
             Kind::Pair(pair) => pair.shadows().memory(),
             Kind::VertexWarp(warp) => map + warp.working_memory(),
             Kind::Cube(cube) => map + cube.working_memory(),
+            Kind::CubeRouted(cube) => map + cube.working_memory(),
             Kind::CubeMultiview(cube) => map + cube.working_memory(),
             Kind::DepthView(view) => map + view.working_memory(),
         }
@@ -201,6 +207,7 @@ impl Baseline {
             Kind::Pair(pair) => Some((pair.shadows().bind_group(), pair.shadows().bind_group_layout())),
             Kind::VertexWarp(warp) => Some(warp.bind_group()),
             Kind::Cube(cube) => Some(cube.lookup().bind_group()),
+            Kind::CubeRouted(cube) => Some(cube.lookup().bind_group()),
             Kind::CubeMultiview(cube) => Some(cube.lookup().bind_group()),
             Kind::DepthView(_) => None,
         }
@@ -225,7 +232,7 @@ impl Kind {
             Method::VertexWarp => Self::VertexWarp(VertexWarp::new(device, resolution)),
             Method::Cube => Self::Cube(Cube::new(device, resolution, Culling::Frustum)),
             Method::CubeUnculled => Self::Cube(Cube::new(device, resolution, Culling::None)),
-            Method::CubeRouted => return Err(BaselineError::Unsupported { method }),
+            Method::CubeRouted => Self::CubeRouted(CubeRouted::new(device, resolution)),
             Method::CubeMultiview => Self::CubeMultiview(
                 CubeMultiview::new(device, resolution).ok_or(BaselineError::Unsupported { method })?,
             ),
