@@ -100,12 +100,17 @@ pub struct CubeMultiview {
 }
 
 impl CubeMultiview {
-    /// Creates a cube map of `resolution` texels across a face; `None` for a device without
-    /// [`wgpu::Features::MULTIVIEW`] over six layers.
+    /// Whether the device was made with [`wgpu::Features::MULTIVIEW`] over six layers or more.
+    #[must_use]
+    pub fn is_supported(device: &wgpu::Device) -> bool {
+        let views = device.limits().max_multiview_view_count;
+        device.features().contains(wgpu::Features::MULTIVIEW) && views >= FACES.len() as u32
+    }
+
+    /// Creates a cube map of `resolution` texels across a face; `None` where it isn't [supported](Self::is_supported).
     #[must_use]
     pub fn new(device: &wgpu::Device, resolution: u32) -> Option<Self> {
-        let views = device.limits().max_multiview_view_count;
-        if !device.features().contains(wgpu::Features::MULTIVIEW) || views < FACES.len() as u32 {
+        if !Self::is_supported(device) {
             return None;
         }
         let map = CubeMap::new(device, resolution);

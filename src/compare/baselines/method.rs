@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::Lookup;
+use super::{CubeMultiview, Lookup};
+use crate::compare::gpu::Gpu;
 
 /// A way to make a point light's shadow map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -66,6 +67,14 @@ impl Method {
             self,
             Self::Cube | Self::CubeUnculled | Self::CubeRouted | Self::CubeMultiview
         )
+    }
+
+    /// Whether the device can make this map, and make it right: Mesa's software driver draws to the wrong face what
+    /// it clips in a multiview pass (seen with Mesa 22.3).
+    #[must_use]
+    pub fn is_available(self, gpu: &Gpu) -> bool {
+        let software = gpu.info.device_type == wgpu::DeviceType::Cpu;
+        self != Self::CubeMultiview || (CubeMultiview::is_supported(&gpu.device) && !software)
     }
 
     /// Texels across one square of this method's map, to set against a pair of `pair` texels across each.

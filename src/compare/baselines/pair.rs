@@ -41,7 +41,8 @@ impl Pair {
         };
         self.shadows.set(self.light, other)?;
         self.shadows.set(self.light, *light)?;
-        self.shadows.record(device, queue, encoder, casters);
+        let made = self.shadows.record(device, queue, encoder, casters);
+        debug_assert_eq!(made, 1, "the map was taken for fresh");
         Ok(())
     }
 
