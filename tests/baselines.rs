@@ -11,6 +11,7 @@ use dual_paraboloid::{PointLight, Sides};
 use glam::{Affine3A, Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
+use std::f32::consts::TAU;
 use std::sync::OnceLock;
 
 /// The device of all tests.
@@ -334,13 +335,15 @@ fn lookups_know_light_from_shadow() {
     // The ball's shadow is a disc of radius 1.03.
     let mut ring = |low: f32, high: f32, count: usize| -> Vec<(Vec3, Vec3)> {
         let mut point = || {
-            let turn = Quat::from_rotation_y(random.random_range(0.0..6.28));
+            let turn = Quat::from_rotation_y(random.random_range(0.0..TAU));
             let normal = Vec3::Y * [1.0, -1.0, 3.0, -0.2][random.random_range(0..4)];
             (turn * Vec3::X * random.random_range(low..high), normal)
         };
         (0..count).map(|_| point()).collect()
     };
-    let (dark, lit) = (ring(0.0, 0.85, 500), ring(1.4, 9.0, 3000));
+    let (dark, mut lit) = (ring(0.0, 0.85, 500), ring(1.4, 9.0, 3000));
+    // Behind the ball, but out of range.
+    lit.push((Vec3::Y * -27.0, Vec3::Y));
     let methods = cubes().into_iter().chain([Method::VertexWarp, Method::Paraboloid]);
     for (method, sides) in methods.flat_map(|m| [(m, Sides::Both), (m, Sides::Front)]) {
         let mut scene = on_device(&scene, sides);

@@ -55,7 +55,7 @@ pub struct CubeRouted {
     face_views: wgpu::Buffer,
     face_group: wgpu::BindGroup,
     jobs: JobBuffers,
-    /// The route's bind group, and of which casters and job buffers.
+    /// The route's bind group, and over which casters' buffers.
     group: Option<(GroupKey, wgpu::BindGroup)>,
 }
 
