@@ -20,8 +20,9 @@ struct CubeLight {
 @group(CUBE_GROUP) @binding(3) var cube_sampler: sampler;
 @group(CUBE_GROUP) @binding(4) var<storage, read> cube_light: CubeLight;
 
-// As in shaders/lookup.wgsl, in texels of the cube.
-const CUBE_BIAS: f32 = 0.35;
+// As in shaders/lookup.wgsl, in texels of the cube. The pair's tolerance along the normal has no counterpart: a flat
+// view's chords don't bend.
+const CUBE_BIAS: f32 = 0.2;
 const CUBE_SLOPE_LOW: f32 = 0.25;
 const CUBE_SLOPE_HIGH: f32 = 4.0;
 
