@@ -2,8 +2,9 @@
 //!
 //! [`reference`](mod@reference) is the truth by ray casting, [`ideal`] the map and the lookup as they would be if the
 //! resolution were the only source of error, [`error_figures`] says how far from both an answer is, and [`measure`]
-//! puts them together.
+//! puts them together. [`baselines`] are the cubes and the published technique, [`timing`] what they cost.
 
+pub mod baselines;
 pub mod error_figures;
 mod fill;
 pub mod gpu;
@@ -14,5 +15,6 @@ pub mod reference;
 pub mod scene;
 #[cfg(test)]
 mod test_shapes;
+pub mod timing;
 
 pub use fill::fill;

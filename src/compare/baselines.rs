@@ -1,0 +1,262 @@
+//! Other ways to make a point light's shadow map, to measure this library against.
+//!
+//! All draw to `Depth32Float`, reversed and cleared to 0, from the same casters, and record everything from scratch
+//! each time. Those that draw as engines do take meshes in their own space and a transform for each instance.
+
+mod cube;
+mod cube_lookup;
+mod cube_map;
+mod cube_routed;
+mod culling;
+mod depth_view;
+mod instanced;
+mod lookup;
+mod method;
+mod pair;
+mod scene_buffers;
+mod vertex_warp;
+
+pub use cube::{Cube, CubeMultiview, Culling};
+pub use cube_routed::CubeRouted;
+pub use depth_view::DepthView;
+pub use lookup::{ConstantBias, Lookup};
+pub use method::{Budget, Method, UnknownMethod};
+pub use scene_buffers::SceneBuffers;
+pub use vertex_warp::VertexWarp;
+
+use super::fill;
+use super::gpu::{Gpu, evaluation};
+use super::scene::Scene;
+use crate::{Casters, Error, PointLight, PointShadows, Sides};
+use glam::Vec3;
+use pair::Pair;
+
+/// A scene's casters in both forms that the methods draw from.
+#[derive(Debug)]
+pub struct DeviceScene {
+    /// In mesh space with instances, as engines have them.
+    pub instanced: SceneBuffers,
+    /// In world space and chunks, as this library has them.
+    pub chunked: Casters,
+}
+
+impl DeviceScene {
+    /// Uploads a scene in both forms, all meshes with the same rule for sides. [`Sides::Front`] culls back faces in
+    /// all methods.
+    ///
+    /// # Errors
+    /// Whatever [`fill`] returns.
+    pub fn new(device: &wgpu::Device, scene: &Scene, sides: Sides) -> Result<Self, Error> {
+        let mut chunked = Casters::new(device);
+        fill(&mut chunked, scene, sides)?;
+        Ok(Self {
+            instanced: SceneBuffers::new(device, scene, sides == Sides::Front),
+            chunked,
+        })
+    }
+}
+
+/// Why there is no [`Baseline`].
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BaselineError {
+    /// The device can't do it.
+    #[error("{method} needs a device with multiview over six layers, requested with wgpu::Features::MULTIVIEW")]
+    Unsupported {
+        /// What was asked for.
+        method: Method,
+    },
+    /// The map would be wider than the device's largest texture, or nothing.
+    #[error("the resolution of {method} is {resolution}: it must be 1 to {most}")]
+    Resolution {
+        /// What was asked for.
+        method: Method,
+        /// Its resolution.
+        resolution: u32,
+        /// The largest one that the device allows.
+        most: u32,
+    },
+    /// The library's own.
+    #[error(transparent)]
+    Library(#[from] Error),
+}
+
+/// Any of the methods behind one interface, with a map for one light.
+#[derive(Debug)]
+pub struct Baseline {
+    method: Method,
+    kind: Kind,
+    bias: ConstantBias,
+}
+
+#[derive(Debug)]
+enum Kind {
+    Pair(Box<Pair>),
+    VertexWarp(VertexWarp),
+    Cube(Cube),
+    CubeRouted(CubeRouted),
+    CubeMultiview(CubeMultiview),
+    DepthView(DepthView),
+}
+
+impl Baseline {
+    /// Creates a method's map with `resolution` texels across each of its squares; see [`Method::side`].
+    ///
+    /// # Errors
+    /// [`BaselineError`], for a resolution or a method that the device doesn't allow.
+    pub fn new(device: &wgpu::Device, method: Method, resolution: u32) -> Result<Self, BaselineError> {
+        let across = if method.is_cube() { 1 } else { 2 };
+        let most = device.limits().max_texture_dimension_2d / across;
+        if !(1..=most).contains(&resolution) {
+            return Err(BaselineError::Resolution {
+                method,
+                resolution,
+                most,
+            });
+        }
+        Ok(Self {
+            method,
+            kind: Kind::new(device, method, resolution)?,
+            bias: ConstantBias::default(),
+        })
+    }
+
+    /// Which method it is.
+    #[must_use]
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// Sets the bias of the lookups that have one, from the next recording on.
+    pub fn set_bias(&mut self, bias: ConstantBias) {
+        self.bias = bias;
+    }
+
+    /// Records the whole map anew, whatever it holds already.
+    ///
+    /// # Errors
+    /// [`Error::InvalidLight`].
+    pub fn record(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &mut DeviceScene,
+        light: &PointLight,
+    ) -> Result<(), Error> {
+        light.validate()?;
+        let (instanced, bias) = (&scene.instanced, self.bias);
+        match &mut self.kind {
+            Kind::Pair(pair) => pair.record(device, queue, encoder, &mut scene.chunked, light)?,
+            Kind::VertexWarp(warp) => warp.record(device, queue, encoder, instanced, light, bias),
+            Kind::Cube(cube) => cube.record(device, queue, encoder, instanced, light, bias),
+            Kind::CubeRouted(cube) => cube.record(device, queue, encoder, &mut scene.chunked, light, bias),
+            Kind::CubeMultiview(cube) => cube.record(device, queue, encoder, instanced, light, bias),
+            Kind::DepthView(view) => view.record(device, queue, encoder, instanced),
+        }
+        Ok(())
+    }
+
+    /// The map: a cube's faces as layers, else two squares side by side.
+    #[must_use]
+    pub fn map(&self) -> &wgpu::Texture {
+        match &self.kind {
+            Kind::Pair(pair) => pair.shadows().maps(),
+            Kind::VertexWarp(warp) => warp.map(),
+            Kind::Cube(cube) => cube.map(),
+            Kind::CubeRouted(cube) => cube.map(),
+            Kind::CubeMultiview(cube) => cube.map(),
+            Kind::DepthView(view) => view.map(),
+        }
+    }
+
+    /// Texels of the map.
+    #[must_use]
+    pub fn texels(&self) -> u64 {
+        let map = self.map();
+        u64::from(map.width()) * u64::from(map.height()) * u64::from(map.depth_or_array_layers())
+    }
+
+    /// Bytes on the GPU: the map, and what recording it takes beside the scene.
+    #[must_use]
+    pub fn memory(&self) -> u64 {
+        let map = 4 * self.texels();
+        match &self.kind {
+            Kind::Pair(pair) => pair.shadows().memory(),
+            Kind::VertexWarp(warp) => map + warp.working_memory(),
+            Kind::Cube(cube) => map + cube.working_memory(),
+            Kind::CubeRouted(cube) => map + cube.working_memory(),
+            Kind::CubeMultiview(cube) => map + cube.working_memory(),
+            Kind::DepthView(view) => map + view.working_memory(),
+        }
+    }
+
+    /// The library's own shadows, if this is [`Method::Paraboloid`].
+    #[must_use]
+    pub fn shadows(&self) -> Option<&PointShadows> {
+        match &self.kind {
+            Kind::Pair(pair) => Some(pair.shadows()),
+            _ => None,
+        }
+    }
+
+    /// What the text of [`Lookup::text`] reads, with its layout; `None` for [`Method::DepthView`].
+    #[must_use]
+    pub fn bind_group(&self) -> Option<(&wgpu::BindGroup, &wgpu::BindGroupLayout)> {
+        match &self.kind {
+            Kind::Pair(pair) => Some((pair.shadows().bind_group(), pair.shadows().bind_group_layout())),
+            Kind::VertexWarp(warp) => Some(warp.bind_group()),
+            Kind::Cube(cube) => Some(cube.lookup().bind_group()),
+            Kind::CubeRouted(cube) => Some(cube.lookup().bind_group()),
+            Kind::CubeMultiview(cube) => Some(cube.lookup().bind_group()),
+            Kind::DepthView(_) => None,
+        }
+    }
+
+    /// What a lookup says of each receiver, given by position and geometric normal. `None` for a lookup that doesn't
+    /// read this method's map.
+    #[must_use]
+    pub fn shadow_values(&self, gpu: &Gpu, lookup: Lookup, receivers: &[(Vec3, Vec3)]) -> Option<Vec<f32>> {
+        if !self.method.lookups().contains(&lookup) {
+            return None;
+        }
+        let text = [lookup.text(0), evaluation(lookup.expression())].concat();
+        Some(gpu.evaluate(&text, &[self.bind_group()?], receivers))
+    }
+}
+
+impl Kind {
+    fn new(device: &wgpu::Device, method: Method, resolution: u32) -> Result<Self, BaselineError> {
+        Ok(match method {
+            Method::Paraboloid => Self::Pair(Box::new(Pair::new(device, resolution)?)),
+            Method::VertexWarp => Self::VertexWarp(VertexWarp::new(device, resolution)),
+            Method::Cube => Self::Cube(Cube::new(device, resolution, Culling::Frustum)),
+            Method::CubeUnculled => Self::Cube(Cube::new(device, resolution, Culling::None)),
+            Method::CubeRouted => Self::CubeRouted(CubeRouted::new(device, resolution)),
+            Method::CubeMultiview => Self::CubeMultiview(
+                CubeMultiview::new(device, resolution).ok_or(BaselineError::Unsupported { method })?,
+            ),
+            Method::DepthView => Self::DepthView(DepthView::new(device, resolution)),
+        })
+    }
+}
+
+/// Two squares of depth side by side.
+fn wide_map(device: &wgpu::Device, resolution: u32) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("dual_paraboloid::compare::map"),
+        size: wgpu::Extent3d {
+            width: 2 * resolution,
+            height: resolution,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Depth32Float,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}

@@ -1,0 +1,130 @@
+//! The methods by name, their sizes for a fair comparison, and their lookups.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::{CubeMultiview, Lookup};
+use crate::compare::gpu::Gpu;
+
+/// A way to make a point light's shadow map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// This library.
+    Paraboloid,
+    /// The paraboloid pair as published and as engines ship it: vertices warped, nothing split, a constant bias.
+    VertexWarp,
+    /// Six passes into a cube map, each instance culled against each face's frustum.
+    Cube,
+    /// Six passes into a cube map, everything drawn in each.
+    CubeUnculled,
+    /// Six passes into a cube map, over triangles chosen by this library's routing.
+    CubeRouted,
+    /// One pass into all faces of a cube map; for devices with [`wgpu::Features::MULTIVIEW`].
+    CubeMultiview,
+    /// One plain view of the whole scene: the least that drawing each triangle once costs.
+    DepthView,
+}
+
+/// What is kept equal when maps of different shape are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Budget {
+    /// Texels across: a cube's face is as wide as one of the pair's maps.
+    EqualSide,
+    /// Texels in all: six faces have as many as the pair.
+    EqualTexels,
+}
+
+impl Method {
+    /// Every method.
+    pub const ALL: [Self; 7] = [
+        Self::Paraboloid,
+        Self::VertexWarp,
+        Self::Cube,
+        Self::CubeUnculled,
+        Self::CubeRouted,
+        Self::CubeMultiview,
+        Self::DepthView,
+    ];
+
+    /// The name that [`str::parse`] reads.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paraboloid => "paraboloid",
+            Self::VertexWarp => "vertex-warp",
+            Self::Cube => "cube",
+            Self::CubeUnculled => "cube-unculled",
+            Self::CubeRouted => "cube-routed",
+            Self::CubeMultiview => "cube-multiview",
+            Self::DepthView => "depth-view",
+        }
+    }
+
+    /// Whether the map is a cube of six faces; else it is two squares side by side.
+    #[must_use]
+    pub fn is_cube(self) -> bool {
+        matches!(
+            self,
+            Self::Cube | Self::CubeUnculled | Self::CubeRouted | Self::CubeMultiview
+        )
+    }
+
+    /// Whether the device can make this map, and make it right: Mesa's software driver draws to the wrong face what
+    /// it clips in a multiview pass (seen with Mesa 22.3).
+    #[must_use]
+    pub fn is_available(self, gpu: &Gpu) -> bool {
+        let software = gpu.info.device_type == wgpu::DeviceType::Cpu;
+        self != Self::CubeMultiview || (CubeMultiview::is_supported(&gpu.device) && !software)
+    }
+
+    /// Texels across one square of this method's map, to set against a pair of `pair` texels across each.
+    #[must_use]
+    pub fn side(self, pair: u32, budget: Budget) -> u32 {
+        if self.is_cube() && budget == Budget::EqualTexels {
+            // 6 C^2 = 2 R^2
+            ((f64::from(pair) / 3f64.sqrt()).round() as u32).max(1)
+        } else {
+            pair
+        }
+    }
+
+    /// Squares that the map consists of.
+    #[must_use]
+    pub fn squares(self) -> u32 {
+        if self.is_cube() { 6 } else { 2 }
+    }
+
+    /// The lookups that read its map: none for [`Method::DepthView`], which no light looks out of.
+    #[must_use]
+    pub fn lookups(self) -> &'static [Lookup] {
+        match self {
+            Self::Paraboloid => &[Lookup::Paraboloid],
+            Self::VertexWarp => &[Lookup::VertexWarp],
+            Self::DepthView => &[],
+            _ => &[Lookup::CubeHardware, Lookup::CubePlane],
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A name that no method has.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("no method is called {name:?}: there are {}", Method::ALL.map(Method::name).join(", "))]
+pub struct UnknownMethod {
+    /// What was given.
+    pub name: String,
+}
+
+impl FromStr for Method {
+    type Err = UnknownMethod;
+
+    fn from_str(name: &str) -> Result<Self, UnknownMethod> {
+        let found = Self::ALL.into_iter().find(|method| method.name() == name);
+        found.ok_or_else(|| UnknownMethod { name: name.to_owned() })
+    }
+}

@@ -1,0 +1,471 @@
+//! The methods that the library is measured against have to be right, and as good as they can be.
+
+use dual_paraboloid::compare::baselines::{
+    Baseline, BaselineError, Budget, ConstantBias, CubeMultiview, DeviceScene, Lookup, Method,
+};
+use dual_paraboloid::compare::gpu::Gpu;
+use dual_paraboloid::compare::procedural::{self, shapes};
+use dual_paraboloid::compare::scene::{Material, Scene, SceneInstance, SceneMesh};
+use dual_paraboloid::compare::timing::{Rounds, Timer};
+use dual_paraboloid::{PointLight, Sides};
+use glam::{Affine3A, Quat, Vec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use std::f32::consts::TAU;
+use std::sync::OnceLock;
+
+/// The device of all tests.
+fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| Gpu::new(wgpu::Features::MULTIVIEW).unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// The cubes that the device can make.
+fn cubes() -> Vec<Method> {
+    let all = Method::ALL.into_iter().filter(|method| method.is_cube());
+    all.filter(|method| method.is_available(gpu())).collect()
+}
+
+/// A method's map of a scene, recorded once.
+fn recorded(method: Method, resolution: u32, scene: &mut DeviceScene, light: &PointLight) -> Baseline {
+    let mut baseline = Baseline::new(&gpu().device, method, resolution).unwrap();
+    record(&mut baseline, scene, light);
+    baseline
+}
+
+fn record(baseline: &mut Baseline, scene: &mut DeviceScene, light: &PointLight) {
+    gpu().submit(|encoder| {
+        let recorded = baseline.record(&gpu().device, &gpu().queue, encoder, scene, light);
+        recorded.unwrap();
+    });
+}
+
+/// All layers of a method's map, one after the other.
+fn depths(method: Method, resolution: u32, scene: &mut DeviceScene, light: &PointLight) -> Vec<f32> {
+    let baseline = recorded(method, resolution, scene, light);
+    let layers = 0..baseline.map().depth_or_array_layers();
+    layers
+        .flat_map(|layer| gpu().read_texture::<f32>(baseline.map(), layer))
+        .collect()
+}
+
+fn on_device(scene: &Scene, sides: Sides) -> DeviceScene {
+    DeviceScene::new(&gpu().device, scene, sides).unwrap()
+}
+
+fn scene_of(meshes: Vec<SceneMesh>, instances: Vec<(usize, Affine3A)>) -> Scene {
+    Scene {
+        meshes,
+        instances: instances
+            .into_iter()
+            .map(|(mesh, transform)| SceneInstance { mesh, transform })
+            .collect(),
+        materials: vec![Material::default()],
+        ..Scene::default()
+    }
+}
+
+fn mesh(positions: Vec<Vec3>, indices: Vec<u32>) -> SceneMesh {
+    SceneMesh {
+        positions: positions.into_iter().map(|p| p.to_array()).collect(),
+        indices,
+        ..SceneMesh::default()
+    }
+}
+
+/// The room between two corners, seen from inside: its faces' fronts are within.
+fn room(low: Vec3, high: Vec3) -> Scene {
+    let (x, y, z) = (
+        Vec3::X * (high.x - low.x),
+        Vec3::Y * (high.y - low.y),
+        Vec3::Z * (high.z - low.z),
+    );
+    let sides = [
+        (low, z, x),
+        (high, -x, -z),
+        (low, x, y),
+        (low, y, z),
+        (high, -y, -x),
+        (high, -z, -y),
+    ];
+    let meshes = sides.map(|(corner, u, v)| shapes::quad(corner, u, v)).to_vec();
+    let instances = (0..meshes.len()).map(|side| (side, Affine3A::IDENTITY)).collect();
+    scene_of(meshes, instances)
+}
+
+/// Direction of a cube's texel, with 1 along the face's axis; written down from the table of the WebGPU standard.
+fn direction(face: usize, column: usize, row: usize, resolution: u32) -> Vec3 {
+    let at = |texel: usize| 2.0 * (texel as f32 + 0.5) / resolution as f32 - 1.0;
+    let (s, t) = (at(column), at(row));
+    match face {
+        0 => Vec3::new(1.0, -t, -s),
+        1 => Vec3::new(-1.0, -t, s),
+        2 => Vec3::new(s, 1.0, t),
+        3 => Vec3::new(s, -1.0, -t),
+        4 => Vec3::new(s, -t, 1.0),
+        _ => Vec3::new(-s, -t, -1.0),
+    }
+}
+
+#[test]
+fn cubes_inside_a_box() {
+    let (low, high) = (Vec3::new(-3.0, -1.0, -5.0), Vec3::new(2.0, 2.5, 4.0));
+    let light = PointLight {
+        position: Vec3::new(0.4, 0.3, -0.2),
+        ..Default::default()
+    };
+    let resolution = 128;
+    for (method, sides) in cubes().into_iter().flat_map(|m| [(m, Sides::Both), (m, Sides::Front)]) {
+        let mut scene = on_device(&room(low, high), sides);
+        let depths = depths(method, resolution, &mut scene, &light);
+        let size = resolution as usize;
+        for (index, depth) in depths.into_iter().enumerate() {
+            let (face, row, column) = (index / (size * size), index / size % size, index % size);
+            let d = direction(face, column, row, resolution);
+            let wall = Vec3::select(d.cmpgt(Vec3::ZERO), high, low) - light.position;
+            let expected = light.near / (wall / d).min_element();
+            // Within the rasteriser's snapping of corners to 1/256 texel.
+            let allowed = 1e-5 + 0.02 / resolution as f32;
+            assert!(
+                (depth / expected - 1.0).abs() < allowed,
+                "{method}, {sides:?}, face {face}, texel {column} {row}: {depth}, not {expected}"
+            );
+        }
+    }
+}
+
+/// Triangles of all sizes in several meshes that lie where they are.
+fn random_scene(count: usize) -> Scene {
+    let mut random = Pcg64::seed_from_u64(11);
+    let mut point = |size: f32| Vec3::from_array(std::array::from_fn(|_| random.random_range(-size..size)));
+    let mut meshes = Vec::new();
+    for k in 0..40 {
+        let centre = point(10.0);
+        let mut positions = Vec::new();
+        for i in 0..count / 40 {
+            let at = centre + point(1.5);
+            let size = if (i + k) % 200 == 0 {
+                6.0
+            } else {
+                [0.01, 0.05, 0.3][i % 3]
+            };
+            positions.extend([at, at + point(size), at + point(size)]);
+        }
+        let indices = (0..positions.len() as u32).collect();
+        meshes.push(mesh(positions, indices));
+    }
+    let instances = (0..meshes.len()).map(|k| (k, Affine3A::IDENTITY)).collect();
+    scene_of(meshes, instances)
+}
+
+/// The same scene with each instance a mesh in world space, so that all methods have the same vertices to the bit.
+fn baked(scene: &Scene) -> Scene {
+    let meshes = scene.instances.iter().map(|instance| {
+        let source = &scene.meshes[instance.mesh];
+        let world = |p: &[f32; 3]| instance.transform.transform_point3(Vec3::from(*p));
+        mesh(source.positions.iter().map(world).collect(), source.indices.clone())
+    });
+    let meshes: Vec<SceneMesh> = meshes.collect();
+    let instances = (0..meshes.len()).map(|k| (k, Affine3A::IDENTITY)).collect();
+    scene_of(meshes, instances)
+}
+
+fn wide_light() -> PointLight {
+    PointLight {
+        position: Vec3::new(0.3, 0.2, -0.1),
+        range: 200.0,
+        ..Default::default()
+    }
+}
+
+/// Number of values that differ by more than the relative `tolerance`.
+fn differing(a: &[f32], b: &[f32], tolerance: f32) -> usize {
+    assert_eq!(a.len(), b.len());
+    let differs = |(a, b): &(&f32, &f32)| (*a - *b).abs() > tolerance * a.max(**b);
+    a.iter().zip(b).filter(differs).count()
+}
+
+#[test]
+fn all_cubes_are_the_same() {
+    let scenes = [random_scene(20_000), baked(&procedural::many_small(400))];
+    for (scene, sides) in scenes.iter().flat_map(|s| [(s, Sides::Both), (s, Sides::Auto)]) {
+        let mut scene = on_device(scene, sides);
+        for resolution in [64, 333] {
+            let all = depths(Method::CubeUnculled, resolution, &mut scene, &wide_light());
+            assert!(all.iter().any(|depth| *depth > 0.0));
+            for method in cubes() {
+                let other = depths(method, resolution, &mut scene, &wide_light());
+                let differing = differing(&all, &other, 0.0);
+                assert_eq!(differing, 0, "{method}, {sides:?} at {resolution}");
+            }
+        }
+    }
+}
+
+#[test]
+fn all_cubes_cull_the_same_back_faces() {
+    let mut scene = on_device(&baked(&procedural::many_small(400)), Sides::Front);
+    let both = depths(
+        Method::Cube,
+        200,
+        &mut on_device(&procedural::many_small(400), Sides::Both),
+        &wide_light(),
+    );
+    let all = depths(Method::CubeUnculled, 200, &mut scene, &wide_light());
+    // The objects are closed, so only silhouettes tell.
+    assert!(differing(&all, &both, 1e-3) < all.len() / 1000);
+    for method in cubes() {
+        let other = depths(method, 200, &mut scene, &wide_light());
+        // The route keeps triangles that the rasteriser might turn over, seen edge-on.
+        let allowed = if method == Method::CubeRouted {
+            all.len() / 10_000
+        } else {
+            0
+        };
+        assert!(differing(&all, &other, 0.0) <= allowed, "{method}");
+    }
+}
+
+#[test]
+fn instances_may_be_turned_and_mirrored() {
+    let blob = shapes::displaced_sphere(24, 12, |at| at * (1.0 + 0.2 * (5.0 * at.x).sin()));
+    let mut random = Pcg64::seed_from_u64(5);
+    let instances: Vec<(usize, Affine3A)> = (0..60)
+        .map(|k| {
+            let scale = Vec3::new(if k % 2 == 0 { 1.0 } else { -1.0 }, 1.5, 0.5);
+            let turn = Quat::from_rotation_y(k as f32) * Quat::from_rotation_x(0.7 * k as f32);
+            let at = Vec3::from_array(std::array::from_fn(|_| random.random_range(-9.0..9.0)));
+            let at = if at.length() < 3.0 { at + 6.0 } else { at };
+            (k % 2, Affine3A::from_scale_rotation_translation(scale, turn, at))
+        })
+        .collect();
+    let scene = scene_of(vec![blob.clone(), blob], instances);
+    for sides in [Sides::Both, Sides::Front] {
+        let mut scene = on_device(&scene, sides);
+        let all = depths(Method::CubeUnculled, 256, &mut scene, &wide_light());
+        for method in cubes() {
+            let other = depths(method, 256, &mut scene, &wide_light());
+            // The routed cube's vertices were transformed by another shader: an edge may fall to the other side of
+            // a texel's centre.
+            let allowed = if method == Method::CubeRouted {
+                all.len() / 2000
+            } else {
+                0
+            };
+            let tolerance = if method == Method::CubeRouted { 1e-5 } else { 0.0 };
+            let differing = differing(&all, &other, tolerance);
+            assert!(differing <= allowed, "{method}, {sides:?}: {differing} differ");
+        }
+    }
+    let both = depths(Method::Cube, 256, &mut on_device(&scene, Sides::Both), &wide_light());
+    let front = depths(Method::Cube, 256, &mut on_device(&scene, Sides::Front), &wide_light());
+    assert!(differing(&both, &front, 1e-3) < both.len() / 1000);
+}
+
+/// One object at a time, well within a face: what software drivers get right too.
+#[test]
+fn multiview_draws_each_face() {
+    if !CubeMultiview::is_supported(&gpu().device) {
+        let refused = Baseline::new(&gpu().device, Method::CubeMultiview, 64);
+        assert!(matches!(refused, Err(BaselineError::Unsupported { .. })));
+        return;
+    }
+    let blob = shapes::displaced_sphere(24, 12, |at| at * (1.0 + 0.2 * (5.0 * at.x).sin()));
+    let ways = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
+    for (face, towards) in ways.enumerate() {
+        let at = Affine3A::from_translation(5.0 * towards + Vec3::splat(0.5));
+        let mut scene = on_device(&scene_of(vec![blob.clone()], vec![(0, at)]), Sides::Front);
+        let passes = depths(Method::Cube, 128, &mut scene, &wide_light());
+        let one_pass = depths(Method::CubeMultiview, 128, &mut scene, &wide_light());
+        for (layer, depths) in one_pass.chunks(128 * 128).enumerate() {
+            assert_eq!(depths.iter().any(|depth| *depth > 0.0), layer == face);
+        }
+        assert_eq!(differing(&passes, &one_pass, 0.0), 0, "face {face}");
+    }
+}
+
+#[test]
+fn casters_out_of_range_are_culled() {
+    let mut far = on_device(&room(Vec3::splat(-9.0), Vec3::splat(9.0)), Sides::Both);
+    let light = PointLight {
+        range: 5.0,
+        ..Default::default()
+    };
+    for method in cubes() {
+        let is_empty = depths(method, 32, &mut far, &light).iter().all(|depth| *depth == 0.0);
+        assert_eq!(is_empty, method != Method::CubeUnculled, "{method}");
+    }
+}
+
+#[test]
+fn nothing_to_draw() {
+    let mut scene = on_device(&Scene::default(), Sides::Both);
+    for method in cubes().into_iter().chain([Method::VertexWarp, Method::DepthView]) {
+        let depths = depths(method, 16, &mut scene, &PointLight::default());
+        assert!(depths.iter().all(|depth| *depth == 0.0), "{method}");
+    }
+}
+
+/// A floor of small quads and a ball between it and the light.
+fn floor_and_ball() -> (Scene, PointLight) {
+    let (count, size) = (80u32, 20.0);
+    let at = |k: u32| size * (k as f32 / count as f32 - 0.5);
+    let rows = (0..=count).flat_map(|z| (0..=count).map(move |x| Vec3::new(at(x), 0.0, at(z))));
+    let corner = |x, z| z * (count + 1) + x;
+    let quad = |x, z| {
+        let [a, b, c, d] = [corner(x, z), corner(x, z + 1), corner(x + 1, z + 1), corner(x + 1, z)];
+        [a, b, c, a, c, d]
+    };
+    let indices = (0..count).flat_map(|z| (0..count).flat_map(move |x| quad(x, z)));
+    let floor = mesh(rows.collect(), indices.collect());
+    let instances = vec![(0, Affine3A::IDENTITY), (1, Affine3A::from_translation(Vec3::Y * 2.0))];
+    let light = PointLight {
+        position: Vec3::Y * 4.0,
+        orientation: Quat::from_rotation_x(0.4),
+        range: 30.0,
+        ..Default::default()
+    };
+    (scene_of(vec![floor, shapes::icosphere(0.5, 3)], instances), light)
+}
+
+#[test]
+fn lookups_know_light_from_shadow() {
+    let (scene, light) = floor_and_ball();
+    let mut random = Pcg64::seed_from_u64(3);
+    // The ball's shadow is a disc of radius 1.03.
+    let mut ring = |low: f32, high: f32, count: usize| -> Vec<(Vec3, Vec3)> {
+        let mut point = || {
+            let turn = Quat::from_rotation_y(random.random_range(0.0..TAU));
+            let normal = Vec3::Y * [1.0, -1.0, 3.0, -0.2][random.random_range(0..4)];
+            (turn * Vec3::X * random.random_range(low..high), normal)
+        };
+        (0..count).map(|_| point()).collect()
+    };
+    let (dark, mut lit) = (ring(0.0, 0.85, 500), ring(1.4, 9.0, 3000));
+    // Behind the ball, but out of range.
+    lit.push((Vec3::Y * -27.0, Vec3::Y));
+    let methods = cubes().into_iter().chain([Method::VertexWarp, Method::Paraboloid]);
+    for (method, sides) in methods.flat_map(|m| [(m, Sides::Both), (m, Sides::Front)]) {
+        let mut scene = on_device(&scene, sides);
+        let mut baseline = Baseline::new(&gpu().device, method, 512).unwrap();
+        if method == Method::VertexWarp {
+            // Far out a texel spans 0.2 of the floor, and one reference has to do for four.
+            baseline.set_bias(ConstantBias {
+                depth: 0.5,
+                normal: 0.0,
+            });
+        }
+        record(&mut baseline, &mut scene, &light);
+        assert!(!method.lookups().is_empty());
+        for &lookup in method.lookups() {
+            let values = |receivers: &[(Vec3, Vec3)]| baseline.shadow_values(gpu(), lookup, receivers).unwrap();
+            // The weights' sum is 1 but for rounding.
+            let wrong = |values: Vec<f32>, right: f32| values.into_iter().filter(|v| (v - right).abs() > 1e-6).count();
+            assert_eq!(wrong(values(&dark), 0.0), 0, "{method}, {}: dark", lookup.name());
+            assert_eq!(wrong(values(&lit), 1.0), 0, "{method}, {}: lit", lookup.name());
+        }
+    }
+}
+
+/// On a floor seen at a grazing angle, where a constant bias has most to do.
+#[test]
+fn the_plane_lookup_has_no_acne() {
+    let (low, high) = (Vec3::new(-8.0, -1.0, -8.0), Vec3::new(8.0, 3.0, 8.0));
+    let mut scene = on_device(&room(low, high), Sides::Both);
+    let light = PointLight {
+        position: Vec3::new(0.7, -0.6, 0.2),
+        range: 50.0,
+        ..Default::default()
+    };
+    let cube = recorded(Method::Cube, 256, &mut scene, &light);
+    let mut random = Pcg64::seed_from_u64(9);
+    let mut floor = || Vec3::new(random.random_range(-5.0..5.0), low.y, random.random_range(-5.0..5.0));
+    let receivers: Vec<(Vec3, Vec3)> = (0..5000).map(|_| (floor(), Vec3::Y)).collect();
+    let values = cube.shadow_values(gpu(), Lookup::CubePlane, &receivers).unwrap();
+    assert_eq!(values.iter().filter(|value| **value < 1.0 - 1e-6).count(), 0);
+    assert!(cube.shadow_values(gpu(), Lookup::Paraboloid, &receivers).is_none());
+}
+
+#[test]
+fn warped_and_plain_views_hold_something() {
+    let mut scene = on_device(&procedural::many_small(300), Sides::Both);
+    let light = wide_light();
+    let warped = depths(Method::VertexWarp, 128, &mut scene, &light);
+    let view = depths(Method::DepthView, 128, &mut scene, &light);
+    for (method, map) in [(Method::VertexWarp, warped), (Method::DepthView, view)] {
+        let drawn = map.iter().filter(|depth| **depth > 0.0).count();
+        assert!(drawn > map.len() / 3, "{method}: {drawn} of {} texels", map.len());
+        assert!(map.iter().all(|depth| (0.0..=1.0).contains(depth)), "{method}");
+    }
+}
+
+#[test]
+fn every_recording_starts_anew() {
+    let (scene, light) = floor_and_ball();
+    let mut scene = on_device(&scene, Sides::Both);
+    let elsewhere = PointLight {
+        position: light.position + Vec3::X,
+        ..light
+    };
+    for method in cubes().into_iter().chain([Method::VertexWarp, Method::Paraboloid]) {
+        let mut baseline = Baseline::new(&gpu().device, method, 64).unwrap();
+        let mut map = |light: &PointLight| -> Vec<f32> {
+            record(&mut baseline, &mut scene, light);
+            gpu().read_texture(baseline.map(), 0)
+        };
+        let [first, other, again] = [&light, &elsewhere, &light].map(&mut map);
+        assert!(first != other && first == again, "{method}");
+    }
+}
+
+#[test]
+fn names_round_trip() {
+    for method in Method::ALL {
+        assert_eq!(method.name().parse::<Method>(), Ok(method));
+        assert_eq!(method.to_string(), method.name());
+    }
+    let error = "sphere".parse::<Method>().unwrap_err().to_string();
+    assert!(error.contains("\"sphere\"") && error.contains("cube-routed"), "{error}");
+}
+
+#[test]
+fn budgets_are_kept() {
+    assert_eq!(Method::Cube.side(1024, Budget::EqualSide), 1024);
+    for method in Method::ALL {
+        let side = method.side(896, Budget::EqualTexels);
+        let texels = u64::from(method.squares()) * u64::from(side) * u64::from(side);
+        let share = texels as f64 / f64::from(2 * 896 * 896);
+        assert!((share - 1.0).abs() < 0.003, "{method}: {share}");
+        match Baseline::new(&gpu().device, method, side) {
+            Ok(baseline) => {
+                assert_eq!(baseline.texels(), texels, "{method}");
+                assert!(baseline.memory() >= 4 * texels, "{method}");
+            }
+            Err(error) => assert!(matches!(error, BaselineError::Unsupported { .. }), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn wrong_resolutions_are_refused() {
+    for resolution in [0, u32::MAX] {
+        let error = Baseline::new(&gpu().device, Method::Cube, resolution).unwrap_err();
+        assert!(matches!(error, BaselineError::Resolution { .. }), "{error}");
+    }
+}
+
+#[test]
+fn timing_takes_turns() {
+    let mut order = Vec::new();
+    let rounds = Rounds {
+        warm_up: 1,
+        measured: 3,
+    };
+    let times = Timer::new(gpu()).interleaved(3, rounds, |way, _| order.push(way));
+    assert_eq!(order, [0, 1, 2, 1, 2, 0, 2, 0, 1, 0, 1, 2]);
+    assert_eq!(times.len(), 3);
+    for time in times {
+        assert!(time.gpu.min <= time.gpu.median && time.gpu.median <= time.gpu.max);
+        assert!(time.cpu.min <= time.cpu.median && time.cpu.median <= time.cpu.max);
+    }
+}
