@@ -44,9 +44,7 @@ fn record(baseline: &mut Baseline, scene: &mut DeviceScene, light: &PointLight) 
 fn depths(method: Method, resolution: u32, scene: &mut DeviceScene, light: &PointLight) -> Vec<f32> {
     let baseline = recorded(method, resolution, scene, light);
     let layers = 0..baseline.map().depth_or_array_layers();
-    layers
-        .flat_map(|layer| gpu().read_texture::<f32>(baseline.map(), layer))
-        .collect()
+    layers.flat_map(|layer| gpu().read_texture::<f32>(baseline.map(), layer)).collect()
 }
 
 fn on_device(scene: &Scene, sides: Sides) -> DeviceScene {
@@ -56,38 +54,20 @@ fn on_device(scene: &Scene, sides: Sides) -> DeviceScene {
 fn scene_of(meshes: Vec<SceneMesh>, instances: Vec<(usize, Affine3A)>) -> Scene {
     Scene {
         meshes,
-        instances: instances
-            .into_iter()
-            .map(|(mesh, transform)| SceneInstance { mesh, transform })
-            .collect(),
+        instances: instances.into_iter().map(|(mesh, transform)| SceneInstance { mesh, transform }).collect(),
         materials: vec![Material::default()],
         ..Scene::default()
     }
 }
 
 fn mesh(positions: Vec<Vec3>, indices: Vec<u32>) -> SceneMesh {
-    SceneMesh {
-        positions: positions.into_iter().map(|p| p.to_array()).collect(),
-        indices,
-        ..SceneMesh::default()
-    }
+    SceneMesh { positions: positions.into_iter().map(|p| p.to_array()).collect(), indices, ..SceneMesh::default() }
 }
 
 /// The room between two corners, seen from inside: its faces' fronts are within.
 fn room(low: Vec3, high: Vec3) -> Scene {
-    let (x, y, z) = (
-        Vec3::X * (high.x - low.x),
-        Vec3::Y * (high.y - low.y),
-        Vec3::Z * (high.z - low.z),
-    );
-    let sides = [
-        (low, z, x),
-        (high, -x, -z),
-        (low, x, y),
-        (low, y, z),
-        (high, -y, -x),
-        (high, -z, -y),
-    ];
+    let (x, y, z) = (Vec3::X * (high.x - low.x), Vec3::Y * (high.y - low.y), Vec3::Z * (high.z - low.z));
+    let sides = [(low, z, x), (high, -x, -z), (low, x, y), (low, y, z), (high, -y, -x), (high, -z, -y)];
     let meshes = sides.map(|(corner, u, v)| shapes::quad(corner, u, v)).to_vec();
     let instances = (0..meshes.len()).map(|side| (side, Affine3A::IDENTITY)).collect();
     scene_of(meshes, instances)
@@ -110,10 +90,7 @@ fn direction(face: usize, column: usize, row: usize, resolution: u32) -> Vec3 {
 #[test]
 fn cubes_inside_a_box() {
     let (low, high) = (Vec3::new(-3.0, -1.0, -5.0), Vec3::new(2.0, 2.5, 4.0));
-    let light = PointLight {
-        position: Vec3::new(0.4, 0.3, -0.2),
-        ..Default::default()
-    };
+    let light = PointLight { position: Vec3::new(0.4, 0.3, -0.2), ..Default::default() };
     let resolution = 128;
     for (method, sides) in cubes().into_iter().flat_map(|m| [(m, Sides::Both), (m, Sides::Front)]) {
         let mut scene = on_device(&room(low, high), sides);
@@ -144,11 +121,7 @@ fn random_scene(count: usize) -> Scene {
         let mut positions = Vec::new();
         for i in 0..count / 40 {
             let at = centre + point(1.5);
-            let size = if (i + k) % 200 == 0 {
-                6.0
-            } else {
-                [0.01, 0.05, 0.3][i % 3]
-            };
+            let size = if (i + k) % 200 == 0 { 6.0 } else { [0.01, 0.05, 0.3][i % 3] };
             positions.extend([at, at + point(size), at + point(size)]);
         }
         let indices = (0..positions.len() as u32).collect();
@@ -171,11 +144,7 @@ fn baked(scene: &Scene) -> Scene {
 }
 
 fn wide_light() -> PointLight {
-    PointLight {
-        position: Vec3::new(0.3, 0.2, -0.1),
-        range: 200.0,
-        ..Default::default()
-    }
+    PointLight { position: Vec3::new(0.3, 0.2, -0.1), range: 200.0, ..Default::default() }
 }
 
 /// Number of values that differ by more than the relative `tolerance`.
@@ -205,23 +174,14 @@ fn all_cubes_are_the_same() {
 #[test]
 fn all_cubes_cull_the_same_back_faces() {
     let mut scene = on_device(&baked(&procedural::many_small(400)), Sides::Front);
-    let both = depths(
-        Method::Cube,
-        200,
-        &mut on_device(&procedural::many_small(400), Sides::Both),
-        &wide_light(),
-    );
+    let both = depths(Method::Cube, 200, &mut on_device(&procedural::many_small(400), Sides::Both), &wide_light());
     let all = depths(Method::CubeUnculled, 200, &mut scene, &wide_light());
     // The objects are closed, so only silhouettes tell.
     assert!(differing(&all, &both, 1e-3) < all.len() / 1000);
     for method in cubes() {
         let other = depths(method, 200, &mut scene, &wide_light());
         // The route keeps triangles that the rasteriser might turn over, seen edge-on.
-        let allowed = if method == Method::CubeRouted {
-            all.len() / 10_000
-        } else {
-            0
-        };
+        let allowed = if method == Method::CubeRouted { all.len() / 10_000 } else { 0 };
         assert!(differing(&all, &other, 0.0) <= allowed, "{method}");
     }
 }
@@ -247,11 +207,7 @@ fn instances_may_be_turned_and_mirrored() {
             let other = depths(method, 256, &mut scene, &wide_light());
             // The routed cube's vertices were transformed by another shader: an edge may fall to the other side of
             // a texel's centre.
-            let allowed = if method == Method::CubeRouted {
-                all.len() / 2000
-            } else {
-                0
-            };
+            let allowed = if method == Method::CubeRouted { all.len() / 2000 } else { 0 };
             let tolerance = if method == Method::CubeRouted { 1e-5 } else { 0.0 };
             let differing = differing(&all, &other, tolerance);
             assert!(differing <= allowed, "{method}, {sides:?}: {differing} differ");
@@ -287,10 +243,7 @@ fn multiview_draws_each_face() {
 #[test]
 fn casters_out_of_range_are_culled() {
     let mut far = on_device(&room(Vec3::splat(-9.0), Vec3::splat(9.0)), Sides::Both);
-    let light = PointLight {
-        range: 5.0,
-        ..Default::default()
-    };
+    let light = PointLight { range: 5.0, ..Default::default() };
     for method in cubes() {
         let is_empty = depths(method, 32, &mut far, &light).iter().all(|depth| *depth == 0.0);
         assert_eq!(is_empty, method != Method::CubeUnculled, "{method}");
@@ -350,10 +303,7 @@ fn lookups_know_light_from_shadow() {
         let mut baseline = Baseline::new(&gpu().device, method, 512).unwrap();
         if method == Method::VertexWarp {
             // Far out a texel spans 0.2 of the floor, and one reference has to do for four.
-            baseline.set_bias(ConstantBias {
-                depth: 0.5,
-                normal: 0.0,
-            });
+            baseline.set_bias(ConstantBias { depth: 0.5, normal: 0.0 });
         }
         record(&mut baseline, &mut scene, &light);
         assert!(!method.lookups().is_empty());
@@ -372,11 +322,7 @@ fn lookups_know_light_from_shadow() {
 fn the_plane_lookup_has_no_acne() {
     let (low, high) = (Vec3::new(-8.0, -1.0, -8.0), Vec3::new(8.0, 3.0, 8.0));
     let mut scene = on_device(&room(low, high), Sides::Both);
-    let light = PointLight {
-        position: Vec3::new(0.7, -0.6, 0.2),
-        range: 50.0,
-        ..Default::default()
-    };
+    let light = PointLight { position: Vec3::new(0.7, -0.6, 0.2), range: 50.0, ..Default::default() };
     let cube = recorded(Method::Cube, 256, &mut scene, &light);
     let mut random = Pcg64::seed_from_u64(9);
     let mut floor = || Vec3::new(random.random_range(-5.0..5.0), low.y, random.random_range(-5.0..5.0));
@@ -403,10 +349,7 @@ fn warped_and_plain_views_hold_something() {
 fn every_recording_starts_anew() {
     let (scene, light) = floor_and_ball();
     let mut scene = on_device(&scene, Sides::Both);
-    let elsewhere = PointLight {
-        position: light.position + Vec3::X,
-        ..light
-    };
+    let elsewhere = PointLight { position: light.position + Vec3::X, ..light };
     for method in cubes().into_iter().chain([Method::VertexWarp, Method::Paraboloid]) {
         let mut baseline = Baseline::new(&gpu().device, method, 64).unwrap();
         let mut map = |light: &PointLight| -> Vec<f32> {
@@ -457,10 +400,7 @@ fn wrong_resolutions_are_refused() {
 #[test]
 fn timing_takes_turns() {
     let mut order = Vec::new();
-    let rounds = Rounds {
-        warm_up: 1,
-        measured: 3,
-    };
+    let rounds = Rounds { warm_up: 1, measured: 3 };
     let times = Timer::new(gpu()).interleaved(3, rounds, |way, _| order.push(way));
     assert_eq!(order, [0, 1, 2, 1, 2, 0, 2, 0, 1, 0, 1, 2]);
     assert_eq!(times.len(), 3);

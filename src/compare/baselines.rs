@@ -49,10 +49,7 @@ impl DeviceScene {
     pub fn new(device: &wgpu::Device, scene: &Scene, sides: Sides) -> Result<Self, Error> {
         let mut chunked = Casters::new(device);
         fill(&mut chunked, scene, sides)?;
-        Ok(Self {
-            instanced: SceneBuffers::new(device, scene, sides == Sides::Front),
-            chunked,
-        })
+        Ok(Self { instanced: SceneBuffers::new(device, scene, sides == Sides::Front), chunked })
     }
 }
 
@@ -108,17 +105,9 @@ impl Baseline {
         let across = if method.is_cube() { 1 } else { 2 };
         let most = device.limits().max_texture_dimension_2d / across;
         if !(1..=most).contains(&resolution) {
-            return Err(BaselineError::Resolution {
-                method,
-                resolution,
-                most,
-            });
+            return Err(BaselineError::Resolution { method, resolution, most });
         }
-        Ok(Self {
-            method,
-            kind: Kind::new(device, method, resolution)?,
-            bias: ConstantBias::default(),
-        })
+        Ok(Self { method, kind: Kind::new(device, method, resolution)?, bias: ConstantBias::default() })
     }
 
     /// Which method it is.
@@ -245,11 +234,7 @@ impl Kind {
 fn wide_map(device: &wgpu::Device, resolution: u32) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some("dual_paraboloid::compare::map"),
-        size: wgpu::Extent3d {
-            width: 2 * resolution,
-            height: resolution,
-            depth_or_array_layers: 1,
-        },
+        size: wgpu::Extent3d { width: 2 * resolution, height: resolution, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,

@@ -39,11 +39,7 @@ impl Summary {
     pub fn new(mut durations: Vec<Duration>) -> Self {
         durations.sort_unstable();
         let at = |index: usize| durations.get(index).copied().unwrap_or_default();
-        Self {
-            median: at(durations.len() / 2),
-            min: at(0),
-            max: at(durations.len().saturating_sub(1)),
-        }
+        Self { median: at(durations.len() / 2), min: at(0), max: at(durations.len().saturating_sub(1)) }
     }
 }
 
@@ -77,20 +73,13 @@ impl<'a> Timer<'a> {
     pub fn new(gpu: &'a Gpu) -> Self {
         let features = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
         let real = gpu.info.device_type != wgpu::DeviceType::Cpu && gpu.device.features().contains(features);
-        Self {
-            gpu,
-            queries: real.then(|| Queries::new(&gpu.device)),
-        }
+        Self { gpu, queries: real.then(|| Queries::new(&gpu.device)) }
     }
 
     /// What the device's times are taken with.
     #[must_use]
     pub fn clock(&self) -> Clock {
-        if self.queries.is_some() {
-            Clock::Timestamps
-        } else {
-            Clock::Wall
-        }
+        if self.queries.is_some() { Clock::Timestamps } else { Clock::Wall }
     }
 
     /// Measures `ways` ways. `record(way, encoder)` records the work of one; each round has all of them, beginning
@@ -115,23 +104,14 @@ impl<'a> Timer<'a> {
                 }
             }
         }
-        samples
-            .into_iter()
-            .map(|(device, host)| Times {
-                gpu: Summary::new(device),
-                cpu: Summary::new(host),
-            })
-            .collect()
+        samples.into_iter().map(|(device, host)| Times { gpu: Summary::new(device), cpu: Summary::new(host) }).collect()
     }
 
     /// Times of the device and of the host for recording and doing something once.
     fn once(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> (Duration, Duration) {
         // What is left over from before must not count.
         self.gpu.wait();
-        let mut encoder = self
-            .gpu
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if let Some(queries) = &self.queries {
             encoder.write_timestamp(&queries.set, 0);
         }
@@ -161,10 +141,7 @@ impl Queries {
             count: 2,
         });
         let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
-        Self {
-            set,
-            resolved: crate::gpu::buffer(device, "compare::timing", 16, usage),
-        }
+        Self { set, resolved: crate::gpu::buffer(device, "compare::timing", 16, usage) }
     }
 
     fn end(&self, encoder: &mut wgpu::CommandEncoder) {

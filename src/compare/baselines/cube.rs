@@ -162,8 +162,5 @@ impl CubeMultiview {
 pub(super) fn in_range(scene: &SceneBuffers, light: &PointLight) -> Vec<u32> {
     let reached = |bounds: &super::culling::OrientedBox| bounds.touches_sphere(light.position, light.range);
     let places = (0..).zip(scene.placed());
-    places
-        .filter(|(_, placed)| reached(&placed.bounds))
-        .map(|(place, _)| place)
-        .collect()
+    places.filter(|(_, placed)| reached(&placed.bounds)).map(|(place, _)| place).collect()
 }

@@ -105,11 +105,7 @@ pub(super) fn lookup_entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGro
 }
 
 pub(super) fn depth_texture(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
-    wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Depth,
-        view_dimension,
-        multisampled: false,
-    }
+    wgpu::BindingType::Texture { sample_type: wgpu::TextureSampleType::Depth, view_dimension, multisampled: false }
 }
 
 pub(super) const READ_ONLY_STORAGE: wgpu::BindingType = wgpu::BindingType::Buffer {

@@ -31,12 +31,7 @@ impl Face {
     /// A quarter circle from side to side, depth `near` over the distance along the axis, nothing too far.
     pub(super) fn view(&self, light: &PointLight) -> InstancedView {
         InstancedView {
-            rows: [
-                self.right.extend(0.0),
-                self.up.extend(0.0),
-                Vec4::W * light.near,
-                self.forward.extend(0.0),
-            ],
+            rows: [self.right.extend(0.0), self.up.extend(0.0), Vec4::W * light.near, self.forward.extend(0.0)],
             origin: light.position,
             padding: 0,
         }
@@ -63,11 +58,7 @@ impl CubeMap {
     pub(super) fn new(device: &wgpu::Device, resolution: u32) -> Self {
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("dual_paraboloid::compare::cube"),
-            size: wgpu::Extent3d {
-                width: resolution,
-                height: resolution,
-                depth_or_array_layers: FACES.len() as u32,
-            },
+            size: wgpu::Extent3d { width: resolution, height: resolution, depth_or_array_layers: FACES.len() as u32 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,

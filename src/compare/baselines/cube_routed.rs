@@ -106,11 +106,7 @@ impl CubeRouted {
         for (job, stretch) in chunks.iter().enumerate() {
             let job = (job as u64 * SLOT) as u32;
             self.record_route(encoder, job, stretch.len() as u32);
-            let load = if job == 0 {
-                wgpu::LoadOp::Clear(0.0)
-            } else {
-                wgpu::LoadOp::Load
-            };
+            let load = if job == 0 { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
             self.record_faces(encoder, casters, job, load);
         }
         self.lookup.write(queue, light, bias);
@@ -129,10 +125,8 @@ impl CubeRouted {
             (capacity / crate::chunks::CHUNK_SIZE as u32).max(1)
         };
         // Without any casters the faces are still cleared.
-        let stretches: Vec<Range<u32>> = (0..count.max(1))
-            .step_by(step as usize)
-            .map(|first| first..(first + step).min(count))
-            .collect();
+        let stretches: Vec<Range<u32>> =
+            (0..count.max(1)).step_by(step as usize).map(|first| first..(first + step).min(count)).collect();
         if self.jobs.capacity < capacity || self.jobs.count < stretches.len() as u64 {
             self.jobs = JobBuffers::new(device, capacity, stretches.len() as u64);
             self.group = None;
@@ -226,12 +220,7 @@ impl JobBuffers {
         Self {
             views: slots("compare::route_views", Usage::UNIFORM),
             arguments: slots("compare::route_arguments", Usage::STORAGE | Usage::INDIRECT),
-            lists: gpu::buffer(
-                device,
-                "compare::route_lists",
-                lists_size,
-                Usage::STORAGE | Usage::INDEX,
-            ),
+            lists: gpu::buffer(device, "compare::route_lists", lists_size, Usage::STORAGE | Usage::INDEX),
             capacity,
             count,
         }
@@ -242,9 +231,7 @@ impl JobBuffers {
         let mut views = vec![0u8; chunks.len() * SLOT as usize];
         let mut arguments = views.clone();
         let start = self.empty_draws();
-        let slots = views
-            .chunks_exact_mut(SLOT as usize)
-            .zip(arguments.chunks_exact_mut(SLOT as usize));
+        let slots = views.chunks_exact_mut(SLOT as usize).zip(arguments.chunks_exact_mut(SLOT as usize));
         for (stretch, (view_slot, argument_slot)) in chunks.iter().zip(slots) {
             let view = RouteView {
                 position: light.position,

@@ -64,12 +64,7 @@ fn whole_scene((low, high): (Vec3, Vec3)) -> InstancedView {
     // One over the box's reach along an axis, with room for rounding.
     let fit = |axis: Vec3| axis / (axis.abs().dot(half) * 1.001).max(f32::MIN_POSITIVE);
     InstancedView {
-        rows: [
-            fit(right).extend(0.0),
-            fit(up).extend(0.0),
-            (-0.5 * fit(forward)).extend(0.5),
-            Vec4::W,
-        ],
+        rows: [fit(right).extend(0.0), fit(up).extend(0.0), (-0.5 * fit(forward)).extend(0.5), Vec4::W],
         origin: 0.5 * (low + high),
         padding: 0,
     }

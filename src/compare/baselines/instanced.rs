@@ -73,12 +73,7 @@ pub(super) struct InstancedDraws {
 impl InstancedDraws {
     /// For `view_count` views of `view_size` bytes.
     pub(super) fn new(device: &wgpu::Device, kind: PassKind, view_count: u64, view_size: u64) -> Self {
-        let layout = gpu::layout(
-            device,
-            "compare::views",
-            wgpu::ShaderStages::VERTEX,
-            &[gpu::Binding::Uniform],
-        );
+        let layout = gpu::layout(device, "compare::views", wgpu::ShaderStages::VERTEX, &[gpu::Binding::Uniform]);
         let slot = view_size.next_multiple_of(SLOT);
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let views = gpu::buffer(device, "compare::views", view_count * slot, usage);
@@ -110,10 +105,7 @@ impl InstancedDraws {
             let at = self.instances.len() as u32;
             match self.batches[first_batch..].last_mut() {
                 Some(batch) if batch.like.joins(&placed) => batch.instances.end = at + 1,
-                _ => self.batches.push(Batch {
-                    like: placed,
-                    instances: at..at + 1,
-                }),
+                _ => self.batches.push(Batch { like: placed, instances: at..at + 1 }),
             }
             self.instances.push(place);
         }
@@ -180,10 +172,7 @@ pub(super) fn depth_pass<'a>(
         label: Some("dual_paraboloid::compare::depth"),
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: target,
-            depth_ops: Some(wgpu::Operations {
-                load,
-                store: wgpu::StoreOp::Store,
-            }),
+            depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
             stencil_ops: None,
         }),
         multiview_mask,
@@ -222,11 +211,7 @@ impl Facing {
             Self::Front => (wgpu::FrontFace::Cw, Some(wgpu::Face::Back)),
             Self::MirroredFront => (wgpu::FrontFace::Ccw, Some(wgpu::Face::Back)),
         };
-        wgpu::PrimitiveState {
-            front_face,
-            cull_mode,
-            ..Default::default()
-        }
+        wgpu::PrimitiveState { front_face, cull_mode, ..Default::default() }
     }
 }
 

@@ -63,9 +63,6 @@ pub struct ConstantBias {
 impl Default for ConstantBias {
     /// The defaults of bevy's point lights.
     fn default() -> Self {
-        Self {
-            depth: 0.08,
-            normal: 0.6,
-        }
+        Self { depth: 0.08, normal: 0.6 }
     }
 }

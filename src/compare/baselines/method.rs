@@ -63,10 +63,7 @@ impl Method {
     /// Whether the map is a cube of six faces; else it is two squares side by side.
     #[must_use]
     pub fn is_cube(self) -> bool {
-        matches!(
-            self,
-            Self::Cube | Self::CubeUnculled | Self::CubeRouted | Self::CubeMultiview
-        )
+        matches!(self, Self::Cube | Self::CubeUnculled | Self::CubeRouted | Self::CubeMultiview)
     }
 
     /// Whether the device can make this map, and make it right: Mesa's software driver draws to the wrong face what

@@ -13,14 +13,8 @@ pub(super) struct Pair {
 
 impl Pair {
     pub(super) fn new(device: &wgpu::Device, resolution: u32) -> Result<Self, Error> {
-        let mut shadows = PointShadows::new(
-            device,
-            &PointShadowsDescriptor {
-                capacity: 1,
-                resolution,
-                ..Default::default()
-            },
-        )?;
+        let mut shadows =
+            PointShadows::new(device, &PointShadowsDescriptor { capacity: 1, resolution, ..Default::default() })?;
         let light = shadows.add(PointLight::default())?;
         Ok(Self { shadows, light })
     }
@@ -35,10 +29,7 @@ impl Pair {
     ) -> Result<(), Error> {
         light.validate()?;
         // Another light in between makes the map stale even where nothing has changed.
-        let other = PointLight {
-            near: 0.5 * light.near,
-            ..*light
-        };
+        let other = PointLight { near: 0.5 * light.near, ..*light };
         self.shadows.set(self.light, other)?;
         self.shadows.set(self.light, *light)?;
         let made = self.shadows.record(device, queue, encoder, casters);

@@ -57,9 +57,8 @@ impl SceneBuffers {
             .instances
             .iter()
             .filter_map(|instance| Some((instance.mesh, instance.transform, boxes[instance.mesh]?)));
-        let mut placed: Vec<(Placed, Affine3A)> = drawn
-            .map(|(mesh, transform, (low, high))| (place(mesh, low, high, &transform), transform))
-            .collect();
+        let mut placed: Vec<(Placed, Affine3A)> =
+            drawn.map(|(mesh, transform, (low, high))| (place(mesh, low, high, &transform), transform)).collect();
         placed.sort_by_key(|(placed, _)| (placed.mirrored, placed.mesh));
         let rows: Vec<[[f32; 4]; 3]> = placed.iter().map(|(_, transform)| rows(transform)).collect();
         let placed: Vec<Placed> = placed.into_iter().map(|(placed, _)| placed).collect();
@@ -137,10 +136,7 @@ fn join_meshes(meshes: &[SceneMesh]) -> (Vec<[f32; 3]>, Vec<u32>, Vec<MeshRange>
             let base_vertex = positions.len() as i32;
             positions.extend_from_slice(&mesh.positions);
             indices.extend_from_slice(&mesh.indices);
-            MeshRange {
-                indices: first..indices.len() as u32,
-                base_vertex,
-            }
+            MeshRange { indices: first..indices.len() as u32, base_vertex }
         })
         .collect();
     (positions, indices, ranges)
@@ -149,17 +145,11 @@ fn join_meshes(meshes: &[SceneMesh]) -> (Vec<[f32; 3]>, Vec<u32>, Vec<MeshRange>
 /// Bounds in mesh space of what is drawn, if anything is.
 fn mesh_bounds(mesh: &SceneMesh) -> Option<(Vec3, Vec3)> {
     let corners = mesh.indices.iter().map(|&v| Vec3::from(mesh.positions[v as usize]));
-    corners
-        .map(|corner| (corner, corner))
-        .reduce(|(low, high), (corner, _)| (low.min(corner), high.max(corner)))
+    corners.map(|corner| (corner, corner)).reduce(|(low, high), (corner, _)| (low.min(corner), high.max(corner)))
 }
 
 fn place(mesh: usize, low: Vec3, high: Vec3, transform: &Affine3A) -> Placed {
-    Placed {
-        mesh,
-        mirrored: transform.matrix3.determinant() < 0.0,
-        bounds: OrientedBox::new(low, high, transform),
-    }
+    Placed { mesh, mirrored: transform.matrix3.determinant() < 0.0, bounds: OrientedBox::new(low, high, transform) }
 }
 
 /// Rows of the matrix, as the shader multiplies.
