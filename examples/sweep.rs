@@ -32,11 +32,7 @@ fn main() {
                     &gpu,
                     &scene,
                     light,
-                    &PointShadowsDescriptor {
-                        resolution,
-                        capacity: 1,
-                        ..Default::default()
-                    },
+                    &PointShadowsDescriptor { resolution, capacity: 1, ..Default::default() },
                 )
                 .unwrap();
                 let f = made.figures(&gpu, &truth);

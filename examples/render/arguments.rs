@@ -58,10 +58,8 @@ pub enum View {
 
 fn point(text: &str) -> Result<Vec3, String> {
     let wrong = || format!("{text:?} is not three finite numbers like 1.5,-2,0");
-    let numbers: Vec<f32> = text
-        .split(',')
-        .map(|number| number.trim().parse().map_err(|_| wrong()))
-        .collect::<Result<_, _>>()?;
+    let numbers: Vec<f32> =
+        text.split(',').map(|number| number.trim().parse().map_err(|_| wrong())).collect::<Result<_, _>>()?;
     let point = Vec3::from_array(numbers.try_into().map_err(|_| wrong())?);
     if point.is_finite() { Ok(point) } else { Err(wrong()) }
 }

@@ -16,7 +16,7 @@ const SAMPLES: u32 = 2;
 const RADIANCE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// How bright the bright parts of the picture become, before the tones are mapped.
-const KEY: f32 = 0.8;
+const KEY: f32 = 0.6;
 
 /// Twin of `Frame` in `shading.wgsl`.
 #[repr(C)]
@@ -71,10 +71,7 @@ pub fn take(gpu: &Gpu, shot: &Shot) -> anyhow::Result<image::RgbaImage> {
     let depth = target(&gpu.device, samples, DEPTH);
     draw(gpu, shot, &radiance, &depth);
 
-    let plain = Development {
-        exposure: 1.0,
-        tone_mapping: 0.0,
-    };
+    let plain = Development { exposure: 1.0, tone_mapping: 0.0 };
     let luminance = develop(gpu, &radiance, shot.size, "meter", wgpu::TextureFormat::R32Float, plain);
     let development = Development {
         exposure: exposure(gpu.read_texture(&luminance, 0)),
@@ -103,11 +100,7 @@ fn exposure(luminance: Vec<f32>) -> f32 {
 /// The camera's pass: every batch once, with the shadows looked up for each sample and light.
 fn draw(gpu: &Gpu, shot: &Shot, radiance: &[wgpu::Texture; 2], depth: &wgpu::Texture) {
     let (frame_layout, frame_group) = frame(&gpu.device, shot);
-    let layouts = [
-        &frame_layout,
-        shot.shadows.bind_group_layout(),
-        &shot.model.material_layout,
-    ];
+    let layouts = [&frame_layout, shot.shadows.bind_group_layout(), &shot.model.material_layout];
     let cullings = [Culling::None, Culling::Clockwise, Culling::CounterClockwise];
     let pipelines = shading_pipelines(&gpu.device, &layouts, cullings);
     let views = radiance.each_ref().map(view);
@@ -118,19 +111,13 @@ fn draw(gpu: &Gpu, shot: &Shot, radiance: &[wgpu::Texture; 2], depth: &wgpu::Tex
             color_attachments: &attachments,
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &view(depth),
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Discard,
-                }),
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
                 stencil_ops: None,
             }),
             ..Default::default()
         });
         for batch in &shot.model.batches {
-            let place = cullings
-                .iter()
-                .position(|culling| *culling == batch.culling)
-                .unwrap_or(0);
+            let place = cullings.iter().position(|culling| *culling == batch.culling).unwrap_or(0);
             pass.set_pipeline(&pipelines[place]);
             pass.set_bind_group(0, &frame_group, &[]);
             pass.set_bind_group(1, shot.shadows.bind_group(), &[]);
@@ -162,22 +149,14 @@ fn frame(device: &wgpu::Device, shot: &Shot) -> (wgpu::BindGroupLayout, wgpu::Bi
         })
         .collect();
     let buffer = |what, contents: &[u8], usage| {
-        device.create_buffer_init(&BufferInitDescriptor {
-            label: Some(what),
-            contents,
-            usage,
-        })
+        device.create_buffer_init(&BufferInitDescriptor { label: Some(what), contents, usage })
     };
     let frame = buffer("render::frame", bytes_of(&frame), wgpu::BufferUsages::UNIFORM);
     let lights = buffer("render::lights", cast_slice(&lights), wgpu::BufferUsages::STORAGE);
     let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-        ty: wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
         count: None,
     };
     let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
@@ -307,12 +286,8 @@ fn develop(
 }
 
 fn development_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::FRAGMENT,
-        ty,
-        count: None,
-    };
+    let entry =
+        |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
     let texture = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: false },
         view_dimension: wgpu::TextureViewDimension::D2,
@@ -338,10 +313,7 @@ pub fn bind_group(
 ) -> wgpu::BindGroup {
     let entries: Vec<wgpu::BindGroupEntry> = (0..)
         .zip(resources)
-        .map(|(binding, resource)| wgpu::BindGroupEntry {
-            binding,
-            resource: resource.clone(),
-        })
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
         .collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some(&format!("render::{what}")),
@@ -360,11 +332,7 @@ fn shader(device: &wgpu::Device, what: &str, text: String) -> wgpu::ShaderModule
 fn target(device: &wgpu::Device, size: UVec2, format: wgpu::TextureFormat) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some("render::target"),
-        size: wgpu::Extent3d {
-            width: size.x,
-            height: size.y,
-            depth_or_array_layers: 1,
-        },
+        size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
@@ -385,9 +353,6 @@ fn clear(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
         view,
         depth_slice: None,
         resolve_target: None,
-        ops: wgpu::Operations {
-            load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-            store: wgpu::StoreOp::Store,
-        },
+        ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
     }
 }

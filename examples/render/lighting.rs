@@ -19,12 +19,7 @@ pub struct Light {
 
 /// The lights, and who chose them.
 pub fn choose(arguments: &Arguments, scene: &Scene) -> (Vec<Light>, &'static str) {
-    let plain = |position| SceneLight {
-        position,
-        color: COLOR,
-        intensity: 1.0,
-        range: None,
-    };
+    let plain = |position| SceneLight { position, color: COLOR, intensity: 1.0, range: None };
     let (chosen, by) = if !arguments.lights.is_empty() {
         let given = arguments.lights.iter().copied().map(plain).collect();
         (given, "given")
@@ -35,22 +30,14 @@ pub fn choose(arguments: &Arguments, scene: &Scene) -> (Vec<Light>, &'static str
     };
     let (low, high) = scene.bounds().unwrap_or_default();
     // The picture is exposed by what is in it; here it is only seen to that no number is huge or tiny.
-    let brightest = chosen
-        .iter()
-        .map(|light| light.intensity)
-        .fold(f32::MIN_POSITIVE, f32::max);
+    let brightest = chosen.iter().map(|light| light.intensity).fold(f32::MIN_POSITIVE, f32::max);
     let unit = (high - low).length_squared() / (25.0 * brightest);
     let lights = chosen.iter().map(|light| {
         // Twice as far as the farthest corner, so that the end of the falloff isn't in the picture.
         let reach = 2.0 * (light.position - low).abs().max((light.position - high).abs()).length();
         let range = arguments.range.or(light.range).unwrap_or(reach);
         Light {
-            shadow: PointLight {
-                position: light.position,
-                range,
-                near: NEAR * range,
-                ..Default::default()
-            },
+            shadow: PointLight { position: light.position, range, near: NEAR * range, ..Default::default() },
             intensity: Vec3::from(light.color) * (light.intensity * unit),
         }
     });

@@ -112,11 +112,7 @@ fn choose_camera(arguments: &Arguments, scene: &Scene, light: Vec3) -> anyhow::R
     camera.target = arguments.look_at.unwrap_or(camera.target);
     camera.fov_y = arguments.fov.map_or(camera.fov_y, f32::to_radians);
     let ahead = (camera.target - camera.eye).try_normalize();
-    ensure!(
-        ahead.is_some(),
-        "the camera at {} looks at itself: give --look-at another point",
-        coordinates(camera.eye)
-    );
+    ensure!(ahead.is_some(), "the camera at {} looks at itself: give --look-at another point", coordinates(camera.eye));
     println!(
         "camera       at {}, looking at {}, {:.0} degrees",
         coordinates(camera.eye),
@@ -149,13 +145,7 @@ fn make_maps(
         for (id, light) in lights {
             // A light is only rendered again if something about it is new.
             let near = if again.len() % 2 == 0 { 1.000_001 } else { 1.0 };
-            shadows.set(
-                *id,
-                PointLight {
-                    near: light.shadow.near * near,
-                    ..light.shadow
-                },
-            )?;
+            shadows.set(*id, PointLight { near: light.shadow.near * near, ..light.shadow })?;
         }
         again.push(record(shadows));
     }
@@ -165,20 +155,13 @@ fn make_maps(
         milliseconds(again[again.len() / 2]),
         milliseconds(first)
     );
-    println!(
-        "             (all lights, recording to idle; the median of {} times)",
-        again.len()
-    );
+    println!("             (all lights, recording to idle; the median of {} times)", again.len());
     Ok(())
 }
 
 fn print_statistics(counted: &Statistics, resolution: u32) {
     let line = |what: &str, [front, back]: [u32; 2]| {
-        println!(
-            "{what:12} {} front, {} back",
-            grouped(front as usize),
-            grouped(back as usize)
-        );
+        println!("{what:12} {} front, {} back", grouped(front as usize), grouped(back as usize));
     };
     println!("resolution   2 x {resolution} x {resolution} texels a light");
     line("drawn whole", counted.drawn);
@@ -191,6 +174,8 @@ fn print_statistics(counted: &Statistics, resolution: u32) {
 
 /// Puts a small bright ball where each lamp is. It casts no shadow, since the casters are there already.
 fn show_lamps(scene: &mut Scene, lights: &[(LightId, Light)], eye: Vec3) {
+    // In files it is often the lighting of the whole room, baked, and there would be nothing left to see of shadows.
+    scene.materials.iter_mut().for_each(|material| material.emissive = [0.0; 3]);
     for (_, light) in lights {
         let (position, color) = (light.shadow.position, light.intensity);
         scene.materials.push(Material {
@@ -198,10 +183,7 @@ fn show_lamps(scene: &mut Scene, lights: &[(LightId, Light)], eye: Vec3) {
             emissive: (color * (8.0 / color.max_element().max(f32::MIN_POSITIVE))).to_array(),
             ..Material::default()
         });
-        scene.meshes.push(SceneMesh {
-            material: scene.materials.len() - 1,
-            ..shapes::icosphere(1.0, 2)
-        });
+        scene.meshes.push(SceneMesh { material: scene.materials.len() - 1, ..shapes::icosphere(1.0, 2) });
         let radius = LAMP * position.distance(eye);
         scene.instances.push(SceneInstance {
             mesh: scene.meshes.len() - 1,

@@ -23,10 +23,7 @@ pub fn picture(depth: &[f32], resolution: u32, half_width: f32, near: f32) -> Rg
     let inside = |x: u32, y: u32| place(x, y).length() <= half_width;
     let (mut least, mut most) = (f32::MAX, f32::MIN);
     let texels = (0..resolution).flat_map(|y| (0..2 * resolution).map(move |x| (x, y)));
-    for distance in texels
-        .filter(|&(x, y)| inside(x, y))
-        .filter_map(|(x, y)| distance(x, y))
-    {
+    for distance in texels.filter(|&(x, y)| inside(x, y)).filter_map(|(x, y)| distance(x, y)) {
         (least, most) = (least.min(distance), most.max(distance));
     }
     RgbImage::from_fn(2 * resolution, resolution, |x, y| match distance(x, y) {

@@ -106,13 +106,7 @@ impl Model {
         let instances = upload(gpu, "instances", cast_slice(&instances), wgpu::BufferUsages::VERTEX)?;
         let material_layout = material_layout(&gpu.device);
         let materials = upload_materials(gpu, scene, &material_layout)?;
-        Ok(Self {
-            material_layout,
-            batches,
-            meshes,
-            instances,
-            materials,
-        })
+        Ok(Self { material_layout, batches, meshes, instances, materials })
     }
 
     /// Draws a batch; its material is bound to group 2.
@@ -137,11 +131,7 @@ fn upload(gpu: &Gpu, what: &str, contents: &[u8], usage: wgpu::BufferUsages) -> 
         size <= most,
         "the scene's {what} take {size} bytes, but a buffer of this device holds {most}: split the scene's meshes"
     );
-    let descriptor = BufferInitDescriptor {
-        label: Some(&format!("render::{what}")),
-        contents,
-        usage,
-    };
+    let descriptor = BufferInitDescriptor { label: Some(&format!("render::{what}")), contents, usage };
     Ok(gpu.device.create_buffer_init(&descriptor))
 }
 
@@ -168,12 +158,8 @@ fn upload_mesh(gpu: &Gpu, mesh: &SceneMesh) -> anyhow::Result<(wgpu::Buffer, u32
 }
 
 fn material_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::FRAGMENT,
-        ty,
-        count: None,
-    };
+    let entry =
+        |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
     let record = wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Uniform,
         has_dynamic_offset: false,
@@ -249,11 +235,7 @@ fn upload_image(gpu: &Gpu, image: image::RgbaImage) -> anyhow::Result<wgpu::Text
     }
     let descriptor = wgpu::TextureDescriptor {
         label: Some("render::base color"),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: levels,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
@@ -262,8 +244,6 @@ fn upload_image(gpu: &Gpu, image: image::RgbaImage) -> anyhow::Result<wgpu::Text
         view_formats: &[],
     };
     let order = wgpu::util::TextureDataOrder::LayerMajor;
-    let texture = gpu
-        .device
-        .create_texture_with_data(&gpu.queue, &descriptor, order, &data);
+    let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, order, &data);
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
 }
