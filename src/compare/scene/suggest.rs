@@ -24,6 +24,16 @@ const SHORTLIST: usize = 6;
 const RAYS: usize = 48;
 /// Share of directions that hit something, from which on a point counts as indoors.
 const ENCLOSED: f32 = 0.7;
+/// Directions that rise or fall by less meet the walls of a room: the sine of the angle.
+const WALL_HEIGHT: f32 = 0.4;
+/// How far behind the light a camera is put, as shares of the way to the wall.
+const BEHIND: [f32; 2] = [0.7, 0.4];
+/// How far past the scene's main box a view from outside still frames what there is, in diagonals.
+const FRAME_MARGIN: f32 = 0.3;
+/// Triangles that a view from outside is judged by, about.
+const LIT: usize = 600;
+/// Width over height of the pictures that views are made for.
+const ASPECT: f32 = 1.6;
 
 /// A coarse stand-in for a scene.
 struct Sketch {
@@ -66,11 +76,14 @@ pub(super) fn light(scene: &Scene) -> Vec3 {
 }
 
 pub(super) fn camera(scene: &Scene, light: Vec3) -> Camera {
-    let Some(sketch) = Sketch::of(scene) else {
-        return Camera { eye: light + Vec3::Z, target: light, fov_y: FRAC_PI_4 };
-    };
-    let view = View::of(&sketch.triangles, light, &sphere_directions(RAYS));
-    if view.hit >= ENCLOSED { sketch.inside(light) } else { sketch.outside(light) }
+    let unseen = Camera { eye: light + Vec3::Z, target: light, fov_y: FRAC_PI_4 };
+    let Some(sketch) = Sketch::of(scene) else { return unseen };
+    let judged = if sketch.is_indoors(light) { sketch.inside(light) } else { sketch.outside(light) };
+    // The first of equals, so that a scene in which nothing is lit is seen from the usual side.
+    judged
+        .into_iter()
+        .reduce(|best, next| if next.0 > best.0 { next } else { best })
+        .map_or(unseen, |(_, camera)| camera)
 }
 
 impl Sketch {
@@ -88,37 +101,117 @@ impl Sketch {
         &self.triangles[..self.triangles.len().min(COARSE)]
     }
 
+    fn size(&self) -> f32 {
+        (self.high - self.low).length()
+    }
+
     /// How far one can look from `origin`, within the size of the scene.
     fn free(&self, origin: Vec3, direction: Vec3) -> f32 {
-        let size = (self.high - self.low).length();
+        let size = self.size();
         first_hit(&self.triangles, origin, direction).map_or(size, |(distance, _)| distance.min(size))
     }
 
-    /// Behind the light as seen along the longest free view, looking past it.
-    fn inside(&self, light: Vec3) -> Camera {
-        let around = (0..16).map(|k| {
-            let (sin, cos) = (TAU * k as f32 / 16.0).sin_cos();
-            Vec3::new(cos, 0.0, sin)
-        });
-        let views = around.map(|direction| (self.free(light, direction), direction));
-        let (ahead, direction) =
-            views.reduce(|best, next| if next.0 > best.0 { next } else { best }).unwrap_or_default();
-        let behind = 0.7 * self.free(light, -direction);
-        let lowered = 0.25 * self.free(light, Vec3::NEG_Y);
-        Camera {
-            eye: light - direction * behind.min(ahead),
-            target: light + direction * (0.5 * ahead) - Vec3::Y * lowered,
-            fov_y: FRAC_PI_3,
-        }
+    /// Whether there are walls around a point; a room may lack its roof.
+    fn is_indoors(&self, point: Vec3) -> bool {
+        let mut level = sphere_directions(3 * RAYS);
+        level.retain(|direction| direction.y.abs() < WALL_HEIGHT);
+        let share_of = |directions: &[Vec3]| View::of(&self.triangles, point, directions).hit;
+        share_of(&level) >= ENCLOSED || share_of(&sphere_directions(RAYS)) >= ENCLOSED
     }
 
-    fn outside(&self, light: Vec3) -> Camera {
-        let (low, high) = (self.low.min(light), self.high.max(light));
-        let center = (low + high) / 2.0;
-        let radius = ((high - low).length() / 2.0).max(1e-3);
-        let direction = Vec3::new(0.55, 0.45, 1.0).normalize();
-        Camera { eye: center + direction * (radius / (FRAC_PI_4 / 2.0).sin()), target: center, fov_y: FRAC_PI_4 }
+    /// Views past the light from behind it, all around, with how good they are.
+    fn inside(&self, light: Vec3) -> Vec<(f32, Camera)> {
+        let lowered = Vec3::Y * (0.25 * self.free(light, Vec3::NEG_Y));
+        let toward = |k: usize| {
+            let (sin, cos) = (TAU * k as f32 / 16.0).sin_cos();
+            let direction = Vec3::new(cos, 0.0, sin);
+            let (ahead, behind) = (self.free(light, direction), self.free(light, -direction));
+            BEHIND.map(|share| Camera {
+                eye: light - direction * (share * behind),
+                target: light + direction * (0.5 * ahead) - lowered,
+                fov_y: FRAC_PI_3,
+            })
+        };
+        (0..16).flat_map(toward).map(|camera| (self.interest(&camera, light), camera)).collect()
     }
+
+    /// How much a view shows, and how much of that lit: more is better, far things count more than near ones.
+    fn interest(&self, camera: &Camera, light: Vec3) -> f32 {
+        let ahead = (camera.target - camera.eye).normalize_or(Vec3::NEG_Z);
+        let right = ahead.cross(Vec3::Y).normalize_or(Vec3::X);
+        let up = right.cross(ahead);
+        let half = (0.5 * camera.fov_y).tan();
+        let shown = |k: usize| {
+            let (x, y) = ((k % 6) as f32 / 5.0 - 0.5, (k / 6) as f32 / 3.0 - 0.5);
+            let direction = (ahead + (right * x * ASPECT + up * y) * (1.6 * half)).normalize();
+            // What is seen from behind is seldom drawn.
+            let Some((distance, true)) = first_hit(&self.triangles, camera.eye, direction) else { return 0.0 };
+            let lit = self.is_lit(camera.eye + direction * (0.999 * distance), light);
+            (distance / self.size()).sqrt().min(1.0) * if lit { 1.0 } else { 0.4 }
+        };
+        (0..24).map(shown).sum()
+    }
+
+    /// Whether nothing is between a point and the light.
+    fn is_lit(&self, point: Vec3, light: Vec3) -> bool {
+        let hits = |triangle| intersect(point, light - point, triangle).is_some_and(|(share, _)| share < 0.999);
+        !self.triangles.iter().any(hits)
+    }
+
+    /// Views from all around with the scene and the light in the frame, the usual one first, with how much of the lit
+    /// surfaces they face.
+    fn outside(&self, light: Vec3) -> Vec<(f32, Camera)> {
+        let margin = FRAME_MARGIN * self.size();
+        let is_near = |point: &Vec3| point.cmpge(self.low - margin).all() && point.cmple(self.high + margin).all();
+        let mut points: Vec<Vec3> = self.triangles.iter().map(center).filter(is_near).collect();
+        points.push(light);
+        let faces: Vec<Vec3> =
+            self.lit_faces(light).into_iter().filter(|(point, _)| is_near(point)).map(|f| f.1).collect();
+        let from = |(elevation, k): (f32, usize)| {
+            let (sin, cos) = (0.5 + TAU * k as f32 / 8.0).sin_cos();
+            let direction = Vec3::new(sin, elevation, cos).normalize();
+            let seen = faces.iter().map(|face| face.dot(direction).max(0.0)).sum();
+            (seen, framed(&points, direction, self.size()))
+        };
+        let elevations = [0.4, 0.15, -0.3].into_iter();
+        elevations.flat_map(|elevation| (0..8).map(move |k| (elevation, k))).map(from).collect()
+    }
+
+    /// Centres and areas, along the normals, of the lit ones among some hundred triangles.
+    fn lit_faces(&self, light: Vec3) -> Vec<(Vec3, Vec3)> {
+        let some = self.triangles.iter().step_by(self.triangles.len().div_ceil(LIT).max(1));
+        let faces = some.filter_map(|triangle| {
+            let [a, b, c] = triangle;
+            let (middle, area) = (center(triangle), (b - a).cross(c - a) / 2.0);
+            let above = middle + (light - middle) * 1e-3;
+            (area.dot(light - middle) > 0.0 && self.is_lit(above, light)).then_some((middle, area))
+        });
+        faces.collect()
+    }
+}
+
+fn center([a, b, c]: &[Vec3; 3]) -> Vec3 {
+    (a + b + c) / 3.0
+}
+
+/// The nearest view toward `-direction` that has all points in its frame.
+fn framed(points: &[Vec3], direction: Vec3, size: f32) -> Camera {
+    let right = Vec3::Y.cross(direction).normalize_or(Vec3::X);
+    let up = direction.cross(right);
+    let tangent = (FRAC_PI_4 / 2.0).tan() * 0.92;
+    // Each side of the frame is a plane through the eye; the farthest point out decides where it has to be.
+    let farthest = |normal: Vec3| points.iter().map(|point| point.dot(normal)).fold(f32::MIN, f32::max);
+    let between = |axis: Vec3, tangent: f32| {
+        let (more, less) = (farthest(axis + direction * tangent), farthest(direction * tangent - axis));
+        ((more - less) / 2.0, (more + less) / (2.0 * tangent))
+    };
+    let (x, along_x) = between(right, tangent * ASPECT);
+    let (y, along_y) = between(up, tangent);
+    // Not within the nearest point, even if the scene is as flat as a wall seen from its side.
+    let along = along_x.max(along_y).max(farthest(direction) + 0.05 * size);
+    let middle = (farthest(direction) - farthest(-direction)) / 2.0;
+    let eye = right * x + up * y + direction * along;
+    Camera { eye, target: eye - direction * (along - middle).max(1e-3 * size.max(1e-3)), fov_y: FRAC_PI_4 }
 }
 
 impl View {
@@ -167,7 +260,7 @@ fn sample(scene: &Scene) -> Vec<[Vec3; 3]> {
 
 /// Per axis, where the middle 96 % of the triangles' centres lie; `None` without triangles.
 fn main_box(triangles: &[[Vec3; 3]]) -> Option<(Vec3, Vec3)> {
-    let centers = triangles.iter().map(|[a, b, c]| (a + b + c) / 3.0);
+    let centers = triangles.iter().map(center);
     let mut along: [Vec<f32>; 3] = Default::default();
     for center in centers {
         (0..3).for_each(|axis| along[axis].push(center[axis]));
