@@ -1,6 +1,9 @@
-// Split: cuts triangles whose edges bend too much in the map until no chord misses its arc by more than the
-// tolerance. A workgroup works on a stack of pieces in its own memory; an edge is cut where the bisector of
-// its angle at the light meets it, and whether it is cut depends on its two ends alone.
+// Split: cuts triangles whose edges bend too much in the map until no chord's bend is above the tolerance. A
+// workgroup works on a stack of pieces in its own memory; an edge is cut where the bisector of its angle at the light
+// meets it, and whether it is cut depends on its two ends alone.
+//
+// Twice: the first time (COARSE) over the route's triangles, where parts of big ones are handed on once they are
+// middling, so that the second time all workgroups have a share of a wall that fills the view.
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read_write> arguments: Arguments;
@@ -8,22 +11,33 @@
 @group(0) @binding(3) var<storage, read> positions: array<f32>;
 // Corners relative to the light, nine numbers a piece; a part for each hemisphere.
 @group(0) @binding(4) var<storage, read_write> pieces: array<f32>;
+// Middling parts of big triangles, their corners and then their info; a part for each hemisphere.
+@group(0) @binding(5) var<storage, read_write> parts: array<array<u32, 10>>;
+
+override COARSE: bool = true;
 
 const THREADS: u32 = 64u;
 const STACK: u32 = 384u;
-// Cuts from a triangle to its smallest piece. Each halves the angle of an edge, so 12 would do; the rest is
-// for edges that come out of a cut longer than they would need.
-const MOST_LEVELS: u32 = 24u;
+// Cuts from a triangle to its smallest piece. Each halves the angle of an edge, so 8 would do; the rest is for edges
+// that come out of a cut longer than they would need.
+const MOST_LEVELS: u32 = 15u;
 // Room to finish one piece at a time, depth first, when the stack is nearly full.
 const RESERVE: u32 = 3u * MOST_LEVELS;
+// A piece is big if an edge has more than this many times the tolerable bend: it makes some hundred pieces or more.
+const BIG: f32 = 64.0;
+// Parts that a hemisphere has room for; what finds none is cut where it is.
+const PART_CAPACITY: u32 = 16384u;
 
 struct Piece {
     a: vec3<f32>,
     b: vec3<f32>,
     c: vec3<f32>,
-    // Bits 0-21 the place in the list, 22-23 the cull flags, 24-26 the edges that are not to be cut, 27-31 the level.
+    // Bits 0-21 the place in the list, 22-23 the cull flags, 24-26 the edges that are not to be cut, 27-30 the level,
+    // 31 whether it is part of a big piece.
     info: u32,
 }
+
+const PART_FLAG: u32 = 0x80000000u;
 
 var<workgroup> stack: array<array<f32, 9>, STACK>;
 var<workgroup> stack_info: array<u32, STACK>;
@@ -41,59 +55,61 @@ fn split(
     let hemisphere = group.y;
     if thread == 0u {
         atomicStore(&stack_size, 0u);
-        size = atomicLoad(&arguments.to_split[hemisphere]);
+        atomicStore(&leaf_count, 0u);
+        if COARSE {
+            size = atomicLoad(&arguments.to_split[hemisphere]);
+        } else {
+            size = min(atomicLoad(&arguments.parts[hemisphere]), PART_CAPACITY);
+        }
     }
     let count = workgroupUniformLoad(&size);
     for (var first = group.x; first < count; first += groups.x * THREADS) {
+        // Neighbours go to different workgroups, since big ones come together.
         let place = first + thread * groups.x;
         if place < count {
-            push(whole_triangle(hemisphere, place));
-        }
-        // Every cut halves an edge's angle and every piece is cut at most MOST_LEVELS times, so this ends.
-        loop {
-            workgroupBarrier();
-            if thread == 0u {
-                size = atomicLoad(&stack_size);
-                atomicStore(&leaf_count, 0u);
+            if COARSE {
+                push(whole_triangle(hemisphere, place));
+            } else {
+                push(read_part(hemisphere, place));
             }
-            let on_stack = workgroupUniformLoad(&size);
-            if on_stack == 0u {
-                break;
-            }
-            work(hemisphere, thread, on_stack);
         }
+        work(hemisphere, thread);
     }
 }
 
-// Takes as many pieces off the stack as their children surely have room for, and cuts or writes each.
-fn work(hemisphere: u32, thread: u32, on_stack: u32) {
-    let room = (STACK - RESERVE - min(on_stack, STACK - RESERVE)) / 3u;
-    let taken = min(min(on_stack, THREADS), max(room, 1u));
-    let works = thread < taken;
-    var piece: Piece;
-    if works {
-        piece = read_stack(on_stack - 1u - thread);
-    }
-    workgroupBarrier();
-    if thread == 0u {
-        atomicStore(&stack_size, on_stack - taken);
-    }
-    workgroupBarrier();
-    var leaf = false;
+// Empties the stack. Every cut halves an edge's angle and no piece is cut more than MOST_LEVELS times, so this ends.
+fn work(hemisphere: u32, thread: u32) {
+    var leaf: Piece;
+    var is_leaf = false;
     var place = 0u;
-    if works {
-        leaf = cut(piece, hemisphere);
-    }
-    if leaf {
-        place = atomicAdd(&leaf_count, 1u);
-    }
-    workgroupBarrier();
-    if thread == 0u {
-        leaf_base = reserve(hemisphere, atomicLoad(&leaf_count));
-    }
-    let base = workgroupUniformLoad(&leaf_base);
-    if leaf {
-        write_leaf(hemisphere, base, place, piece);
+    loop {
+        workgroupBarrier();
+        if thread == 0u {
+            size = atomicLoad(&stack_size);
+            leaf_base = reserve(hemisphere, atomicExchange(&leaf_count, 0u));
+        }
+        let on_stack = workgroupUniformLoad(&size);
+        if is_leaf {
+            write_leaf(hemisphere, leaf_base + place, leaf);
+            is_leaf = false;
+        }
+        if on_stack == 0u {
+            break;
+        }
+        // As many as their children surely have room for.
+        let room = (STACK - RESERVE - min(on_stack, STACK - RESERVE)) / 3u;
+        let taken = min(min(on_stack, THREADS), max(room, 1u));
+        if thread < taken {
+            leaf = read_stack(on_stack - 1u - thread);
+        }
+        if thread == 0u {
+            atomicStore(&stack_size, on_stack - taken);
+        }
+        workgroupBarrier();
+        if thread < taken && cut(leaf, hemisphere) {
+            is_leaf = true;
+            place = atomicAdd(&leaf_count, 1u);
+        }
     }
 }
 
@@ -114,6 +130,29 @@ fn push(piece: Piece) {
 
 fn corner_list(p: Piece) -> array<f32, 9> {
     return array<f32, 9>(p.a.x, p.a.y, p.a.z, p.b.x, p.b.y, p.b.z, p.c.x, p.c.y, p.c.z);
+}
+
+fn read_part(hemisphere: u32, place: u32) -> Piece {
+    let part = parts[PART_CAPACITY * hemisphere + place];
+    return Piece(
+        bitcast<vec3<f32>>(vec3<u32>(part[0], part[1], part[2])),
+        bitcast<vec3<f32>>(vec3<u32>(part[3], part[4], part[5])),
+        bitcast<vec3<f32>>(vec3<u32>(part[6], part[7], part[8])),
+        part[9],
+    );
+}
+
+// Hands a piece on to the second time; false if there is no room.
+fn hand_on(hemisphere: u32, piece: Piece) -> bool {
+    let place = atomicAdd(&arguments.parts[hemisphere], 1u);
+    if place >= PART_CAPACITY {
+        return false;
+    }
+    let a = bitcast<vec3<u32>>(piece.a);
+    let b = bitcast<vec3<u32>>(piece.b);
+    let c = bitcast<vec3<u32>>(piece.c);
+    parts[PART_CAPACITY * hemisphere + place] = array<u32, 10>(a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, piece.info);
+    return true;
 }
 
 fn list_place(hemisphere: u32, place: u32) -> u32 {
@@ -154,7 +193,7 @@ fn cut(piece: Piece, hemisphere: u32) -> bool {
     if through_light || is_outside(a, b, c) {
         return false;
     }
-    let level = piece.info >> 27u;
+    let level = (piece.info >> 27u) & 15u;
     // What the route has decided about the edges of whole triangles stands: another shader may round another way, and
     // the neighbour may not have come here.
     let kept = (piece.info >> 24u) & 7u;
@@ -166,11 +205,22 @@ fn cut(piece: Piece, hemisphere: u32) -> bool {
         let cull = select(0.0, 1.0, (piece.info & (1u << 22u)) != 0u) - select(0.0, 1.0, (piece.info & (2u << 22u)) != 0u);
         return !(is_culled(a.xy, b.xy, c.xy, cull) || (REJECT && is_between_texels(a.xy, b.xy, c.xy)));
     }
-    push_parts(piece, edges);
+    let big = COARSE && is_big(a.xy, b.xy, c.xy);
+    if COARSE && !big && (piece.info & PART_FLAG) != 0u && hand_on(hemisphere, piece) {
+        return false;
+    }
+    push_parts(piece, edges, big);
     return false;
 }
 
-fn push_parts(piece: Piece, edges: u32) {
+fn is_big(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> bool {
+    let e = b - a;
+    let f = c - b;
+    let g = a - c;
+    return 0.125 * view.texels * max(dot(e, e), max(dot(f, f), dot(g, g))) > BIG * view.tolerance;
+}
+
+fn push_parts(piece: Piece, edges: u32, big: bool) {
     // Turned so that the first edge is cut, and the second too if two are.
     var a = piece.a;
     var b = piece.b;
@@ -187,7 +237,8 @@ fn push_parts(piece: Piece, edges: u32) {
         c = piece.b;
         kept = ((kept << 1u) & 7u) | (kept >> 2u);
     }
-    let info = (piece.info & 0xffffffu) | (((piece.info >> 27u) + 1u) << 27u);
+    let level = ((piece.info >> 27u) & 15u) + 1u;
+    let info = (piece.info & 0xffffffu) | (level << 27u) | select(0u, PART_FLAG, big);
     let second = (kept & 2u) << 24u;
     let third = (kept & 4u) << 24u;
     let ab = dp_bisect(a, b);
@@ -219,12 +270,12 @@ fn reserve(hemisphere: u32, count: u32) -> u32 {
     return base;
 }
 
-fn write_leaf(hemisphere: u32, base: u32, place: u32, piece: Piece) {
-    if base + place >= view.piece_capacity {
+fn write_leaf(hemisphere: u32, place: u32, piece: Piece) {
+    if place >= view.piece_capacity {
         mark_overflow(hemisphere, piece.info & 0x3fffffu);
         return;
     }
-    let at = 9u * (view.piece_capacity * hemisphere + base + place);
+    let at = 9u * (view.piece_capacity * hemisphere + place);
     let values = corner_list(piece);
     for (var i = 0u; i < 9u; i += 1u) {
         pieces[at + i] = values[i];

@@ -52,6 +52,8 @@ struct Arguments {
     to_split: array<atomic<u32>, 2>,
     // Pieces that the split made, whether there was room or not.
     pieces_wanted: array<atomic<u32>, 2>,
+    // Middling parts of big triangles that the split's first time hands on.
+    parts: array<atomic<u32>, 2>,
 }
 
 // An entry of the lists is three vertices. The upper bits of those that have to be split say:

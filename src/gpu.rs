@@ -122,3 +122,8 @@ pub(crate) fn depth_state() -> wgpu::DepthStencilState {
         bias: wgpu::DepthBiasState::default(),
     }
 }
+
+/// Whether the device runs on the CPU.
+pub(crate) fn is_software(device: &wgpu::Device) -> bool {
+    device.adapter_info().device_type == wgpu::DeviceType::Cpu
+}

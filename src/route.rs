@@ -15,10 +15,14 @@ const CHUNK: u32 = crate::chunks::CHUNK_SIZE as u32;
 /// Workgroups of one dispatch; each takes several chunks when there are more.
 const MOST_GROUPS: u32 = 8192;
 
+/// The same for devices in software: starting a workgroup costs them more than a chunk does.
+const SOFTWARE_GROUPS: u32 = 16;
+
 #[derive(Debug)]
 pub(crate) struct Route {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
+    most_groups: u32,
     lists: wgpu::Buffer,
     capacity: u32,
 }
@@ -33,7 +37,8 @@ impl Route {
         let constants = [("REJECT", f64::from(u8::from(reject)))];
         let pipeline = gpu::compute_pipeline(device, "route", &module, Some(&layout), &constants);
         let capacity = 1024;
-        Self { pipeline, layout, lists: lists(device, capacity), capacity }
+        let most_groups = if gpu::is_software(device) { SOFTWARE_GROUPS } else { MOST_GROUPS };
+        Self { pipeline, layout, most_groups, lists: lists(device, capacity), capacity }
     }
 
     pub(crate) fn lists(&self) -> &wgpu::Buffer {
@@ -86,7 +91,7 @@ impl Route {
         let offset = job * SLOT as u32;
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[offset, offset]);
-        pass.dispatch_workgroups(chunks.min(MOST_GROUPS), 1, 1);
+        pass.dispatch_workgroups(chunks.min(self.most_groups), 1, 1);
     }
 }
 

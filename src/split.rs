@@ -4,14 +4,27 @@ use crate::gpu::{self, Binding};
 use crate::view::{Arguments, MapShape, SLOT, View};
 
 /// Workgroups per hemisphere; they share the triangles out evenly, neighbours to different ones.
-const GROUPS: u32 = 256;
+const GROUPS: u32 = 512;
+
+/// The same for devices in software: they have few threads, and a workgroup without work costs them tens of
+/// microseconds.
+const SOFTWARE_GROUPS: u32 = 16;
 
 /// Bytes of a piece: three corners.
 const PIECE_SIZE: u64 = 36;
 
+/// Bytes of a part of a big triangle: three corners and what is known of it.
+const PART_SIZE: u64 = 40;
+
+/// Parts per hemisphere; twin of the constant in the shader.
+const PART_CAPACITY: u32 = 16_384;
+
 #[derive(Debug)]
 pub(crate) struct Split {
-    pipeline: wgpu::ComputePipeline,
+    /// Over the route's triangles, then over parts of the big ones.
+    pipelines: [wgpu::ComputePipeline; 2],
+    parts: wgpu::Buffer,
+    groups: u32,
     layout: wgpu::BindGroupLayout,
     pieces: wgpu::Buffer,
     capacity: u32,
@@ -21,11 +34,16 @@ impl Split {
     pub(crate) fn new(device: &wgpu::Device, reject: bool) -> Self {
         use Binding::{Counters, Read, Uniform, Write};
         let layout =
-            gpu::layout(device, "split", wgpu::ShaderStages::COMPUTE, &[Uniform, Counters, Write, Read, Write]);
+            gpu::layout(device, "split", wgpu::ShaderStages::COMPUTE, &[Uniform, Counters, Write, Read, Write, Write]);
         let module = gpu::shader(device, "split", crate::wgsl::split());
-        let constants = [("REJECT", f64::from(u8::from(reject)))];
-        let pipeline = gpu::compute_pipeline(device, "split", &module, Some(&layout), &constants);
-        Self { pipeline, layout, pieces: pieces(device, 1), capacity: 1 }
+        let pipelines = [1.0, 0.0].map(|coarse| {
+            let constants = [("REJECT", f64::from(u8::from(reject))), ("COARSE", coarse)];
+            gpu::compute_pipeline(device, "split", &module, Some(&layout), &constants)
+        });
+        let size = 2 * PART_SIZE * u64::from(PART_CAPACITY);
+        let parts = gpu::buffer(device, "split::parts", size, wgpu::BufferUsages::STORAGE);
+        let groups = if gpu::is_software(device) { SOFTWARE_GROUPS } else { GROUPS };
+        Self { pipelines, parts, groups, layout, pieces: pieces(device, 1), capacity: 1 }
     }
 
     /// Makes room for the pieces of surfaces that fill the maps a few times over, and for the `wanted` that an earlier
@@ -69,15 +87,18 @@ impl Split {
             lists.as_entire_binding(),
             positions.as_entire_binding(),
             self.pieces.as_entire_binding(),
+            self.parts.as_entire_binding(),
         ];
         gpu::bind_group(device, "split", &self.layout, &resources)
     }
 
     pub(crate) fn record(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, job: u32) {
         let offset = job * SLOT as u32;
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, group, &[offset, offset]);
-        pass.dispatch_workgroups(GROUPS, 2, 1);
+        for pipeline in &self.pipelines {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[offset, offset]);
+            pass.dispatch_workgroups(self.groups, 2, 1);
+        }
     }
 }
 

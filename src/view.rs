@@ -168,6 +168,7 @@ pub(crate) struct Arguments {
     pub(crate) exact: [Draw; 2],
     pub(crate) to_split: [u32; 2],
     pub(crate) pieces_wanted: [u32; 2],
+    pub(crate) parts: [u32; 2],
 }
 
 impl Arguments {
