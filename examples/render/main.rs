@@ -193,10 +193,7 @@ fn show_lamps(scene: &mut Scene, lights: &[(LightId, Light)], eye: Vec3) {
 }
 
 /// Writes a PNG, making the folders it lies in.
-fn write<P>(path: &Path, picture: &image::ImageBuffer<P, Vec<u8>>) -> anyhow::Result<()>
-where
-    P: image::Pixel<Subpixel = u8> + image::PixelWithColorType,
-{
+fn write(path: &Path, picture: &image::RgbImage) -> anyhow::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder {
         std::fs::create_dir_all(folder)
