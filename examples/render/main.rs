@@ -21,7 +21,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 /// Time to spend on measuring how long the maps take.
-const MEASURING: Duration = Duration::from_secs(2);
+const MEASURING: Duration = Duration::from_millis(800);
 /// Size of a lamp in the picture, as a share of its distance from the camera.
 const LAMP: f32 = 0.005;
 
