@@ -1,4 +1,64 @@
 //! Omnidirectional shadows for point lights from a dual paraboloid pair.
+//!
+//! A point light throws shadows in every direction. This crate renders them on `wgpu` into two maps a light, one for
+//! each hemisphere, in one render pass and from only the triangles that can matter. Straight edges stay where they
+//! belong to within a fraction of a texel, the join of the two maps can't be seen, and there is no bias to tune.
+//!
+//! # Use
+//!
+//! ```no_run
+//! use dual_paraboloid::{CasterMesh, Casters, Indices, PointLight, PointShadows, PointShadowsDescriptor, Sides, wgsl};
+//! # use glam::{Affine3A, Vec3};
+//! # struct Renderer { casters: Casters, shadows: PointShadows, door: dual_paraboloid::InstanceId }
+//! # const LIGHTING: &str = "";
+//! # fn start(device: &wgpu::Device, positions: &[[f32; 3]], indices: &[u32]) -> Result<(), dual_paraboloid::Error> {
+//!
+//! // Once: what casts, which lights, and the text and the layout for the lighting pass.
+//! let mut casters = Casters::new(device);
+//! let mesh = CasterMesh { positions, indices: Indices::U32(indices), sides: Sides::Auto };
+//! let mesh = casters.add_mesh(&mesh)?;
+//! let door = casters.add_instance(mesh, Affine3A::IDENTITY)?;
+//! let mut shadows = PointShadows::new(device, &PointShadowsDescriptor { capacity: 8, ..Default::default() })?;
+//! let lamp = shadows.add(PointLight { position: Vec3::new(0.0, 3.0, 0.0), range: 25.0, ..Default::default() })?;
+//! let text = [LIGHTING, &wgsl::lookup(1)].concat();
+//! let layout_of_group_1 = shadows.bind_group_layout();
+//! # let _ = (lamp.index(), door, text, layout_of_group_1); Ok(())
+//! # }
+//! # fn frame(
+//! #     renderer: &mut Renderer, device: &wgpu::Device, queue: &wgpu::Queue, transform: Affine3A,
+//! #     encoder: &mut wgpu::CommandEncoder, descriptor: &wgpu::RenderPassDescriptor,
+//! # ) -> Result<(), dual_paraboloid::Error> {
+//! # let Renderer { casters, shadows, door } = renderer;
+//! # let door = *door;
+//!
+//! // Every frame: say what has moved, record, and bind.
+//! casters.set_transform(door, transform)?;
+//! shadows.record(device, queue, encoder, casters);
+//! let mut pass = encoder.begin_render_pass(descriptor);
+//! pass.set_bind_group(1, shadows.bind_group(), &[]);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! In the lighting shader, `dp_shadow(light, position, normal)` is the share of a light that arrives: `light` is
+//! [`LightId::index`], the normal is the triangle's own.
+//!
+//! The device, the queue and the encoder are the caller's, and nothing is submitted. [`PointShadows::record`] renders
+//! only the lights that changed or that something moved near.
+//!
+//! # Conventions
+//!
+//! | | |
+//! | --- | --- |
+//! | World space | right-handed, +Y up; lengths in the caller's unit, angles in radians |
+//! | Front faces | counter-clockwise as seen; a mirroring transform turns them round |
+//! | Light space | world less the light's position, turned by the inverse of its orientation |
+//! | Hemisphere space | light space for the front; for the back light space turned half a circle about Y. The axis is +Z in both |
+//! | Map coordinates | `p = X.xy / w` with `w = length(X) + X.z`; the hemisphere is the unit disc |
+//! | Maps | `Depth32Float`, a layer a light, the front in the left half and the back in the right; y of `p` is up, rows go down |
+//! | Depth | `near / w`: 1 near the light, 0 at infinity, greater is nearer, no far plane |
+//!
+//! [`paraboloid`] has the mapping as functions, `ARCHITECTURE.md` how the crate is built and why.
 
 mod arena;
 mod casters;

@@ -48,7 +48,7 @@ pub struct Arguments {
 pub enum View {
     /// The scene, lit
     Lit = 0,
-    /// Only what dp_shadow returns, over all lights
+    /// Only the share of light that arrives, over all lights
     Shadow = 1,
     /// Lit, with the first light's front hemisphere in orange and its back one in blue
     Hemisphere = 2,

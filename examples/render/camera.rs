@@ -58,7 +58,7 @@ pub struct Shot<'a> {
 }
 
 /// Renders the shot, exposes it by what is in it, and returns sRGB pixels.
-pub fn take(gpu: &Gpu, shot: &Shot) -> anyhow::Result<image::RgbaImage> {
+pub fn take(gpu: &Gpu, shot: &Shot) -> anyhow::Result<image::RgbImage> {
     let most = gpu.device.limits().max_texture_dimension_2d / SAMPLES;
     ensure!(
         shot.size.max_element() <= most,
@@ -79,8 +79,9 @@ pub fn take(gpu: &Gpu, shot: &Shot) -> anyhow::Result<image::RgbaImage> {
     };
     let format = wgpu::TextureFormat::Rgba8UnormSrgb;
     let picture = develop(gpu, &radiance, shot.size, "develop", format, development);
-    let pixels: Vec<u8> = gpu.read_texture::<[u8; 4]>(&picture, 0).into_flattened();
-    let image = image::RgbaImage::from_raw(shot.size.x, shot.size.y, pixels);
+    let pixels = gpu.read_texture::<[u8; 4]>(&picture, 0);
+    let pixels: Vec<u8> = pixels.into_iter().flat_map(|[red, green, blue, _]| [red, green, blue]).collect();
+    let image = image::RgbImage::from_raw(shot.size.x, shot.size.y, pixels);
     image.ok_or_else(|| anyhow::anyhow!("the device gave back a picture of another size"))
 }
 

@@ -21,7 +21,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 /// Time to spend on measuring how long the maps take.
-const MEASURING: Duration = Duration::from_secs(2);
+const MEASURING: Duration = Duration::from_millis(800);
 /// Size of a lamp in the picture, as a share of its distance from the camera.
 const LAMP: f32 = 0.005;
 
@@ -193,10 +193,7 @@ fn show_lamps(scene: &mut Scene, lights: &[(LightId, Light)], eye: Vec3) {
 }
 
 /// Writes a PNG, making the folders it lies in.
-fn write<P>(path: &Path, picture: &image::ImageBuffer<P, Vec<u8>>) -> anyhow::Result<()>
-where
-    P: image::Pixel<Subpixel = u8> + image::PixelWithColorType,
-{
+fn write(path: &Path, picture: &image::RgbImage) -> anyhow::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder {
         std::fs::create_dir_all(folder)

@@ -78,7 +78,7 @@ pub(super) fn light(scene: &Scene) -> Vec3 {
 pub(super) fn camera(scene: &Scene, light: Vec3) -> Camera {
     let unseen = Camera { eye: light + Vec3::Z, target: light, fov_y: FRAC_PI_4 };
     let Some(sketch) = Sketch::of(scene) else { return unseen };
-    let judged = if sketch.is_indoors(light) { sketch.inside(light) } else { sketch.outside(light) };
+    let judged = if sketch.is_indoors(light) { sketch.inside(light) } else { sketch.outside(light, scene) };
     // The first of equals, so that a scene in which nothing is lit is seen from the usual side.
     judged
         .into_iter()
@@ -158,13 +158,14 @@ impl Sketch {
         !self.triangles.iter().any(hits)
     }
 
-    /// Views from all around with the scene and the light in the frame, the usual one first, with how much of the lit
+    /// Views from all around with the scene and its lights in the frame, the usual one first, with how much of the lit
     /// surfaces they face.
-    fn outside(&self, light: Vec3) -> Vec<(f32, Camera)> {
+    fn outside(&self, light: Vec3, scene: &Scene) -> Vec<(f32, Camera)> {
         let margin = FRAME_MARGIN * self.size();
         let is_near = |point: &Vec3| point.cmpge(self.low - margin).all() && point.cmple(self.high + margin).all();
         let mut points: Vec<Vec3> = self.triangles.iter().map(center).filter(is_near).collect();
         points.push(light);
+        points.extend(scene.lights.iter().map(|light| light.position));
         let faces: Vec<Vec3> =
             self.lit_faces(light).into_iter().filter(|(point, _)| is_near(point)).map(|f| f.1).collect();
         let from = |(elevation, k): (f32, usize)| {
