@@ -10,8 +10,6 @@
 // A part for each hemisphere: what to draw from the front on, what to split from the end on.
 @group(0) @binding(6) var<storage, read_write> lists: array<u32>;
 
-const THREADS: u32 = 128u;
-const TRIANGLES_PER_THREAD: u32 = 2u;
 
 const DROP: u32 = 0u;
 const DRAW: u32 = 1u;
@@ -27,7 +25,8 @@ var<workgroup> split_count: atomic<u32>;
 var<workgroup> draw_base: u32;
 var<workgroup> split_base: u32;
 
-@compute @workgroup_size(128)
+// A thread for each vertex and then for each triangle of a chunk.
+@compute @workgroup_size(256)
 fn route(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -88,45 +87,38 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     if thread < 8u {
         atomicStore(&turned[thread], 0u);
     }
-    for (var v = thread; v < vertex_count(source); v += THREADS) {
-        let at = 3u * (source.vertex + v);
+    if thread < vertex_count(source) {
+        let at = 3u * (source.vertex + thread);
         let world = vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);
-        corners[v] = project_corner(dp_to_hemisphere(light_space(world - view.position), hemisphere == 1u));
+        corners[thread] = project_corner(dp_to_hemisphere(light_space(world - view.position), hemisphere == 1u));
     }
     workgroupBarrier();
 
     let rule = culling_rule(chunk);
     // A face turned to the light is clockwise in the map, since (u, v) is seen from the other side.
     let cull = select(0.0, chunk_bounds[chunk].handedness, rule != 0u);
-    var fates: array<u32, TRIANGLES_PER_THREAD>;
-    var places: array<u32, TRIANGLES_PER_THREAD>;
-    var entries: array<vec3<u32>, TRIANGLES_PER_THREAD>;
-    for (var i = 0u; i < TRIANGLES_PER_THREAD; i += 1u) {
-        let t = thread + i * THREADS;
-        fates[i] = DROP;
-        if t < triangle_count(source) {
-            let local = corners_of(triangles[source.triangle + t]);
-            let fate = fate_of(local, rule, cull);
-            entries[i] = (local + source.vertex) | fate.flags;
-            fates[i] = fate.kind;
-            if rule == CULL_CLOSED && fates[i] != BACK {
-                mark_turned(local.x);
-                mark_turned(local.y);
-                mark_turned(local.z);
-            }
+    var fate = Fate(DROP, vec3<u32>());
+    var packed = 0u;
+    if thread < triangle_count(source) {
+        packed = triangles[source.triangle + thread];
+        let local = corners_of(packed);
+        fate = fate_of(local, rule, cull);
+        if rule == CULL_CLOSED && fate.kind != BACK {
+            mark_turned(local.x);
+            mark_turned(local.y);
+            mark_turned(local.z);
         }
     }
     workgroupBarrier();
 
-    for (var i = 0u; i < TRIANGLES_PER_THREAD; i += 1u) {
-        if fates[i] == BACK {
-            fates[i] = fate_of_back(triangles[source.triangle + thread + i * THREADS]);
-        }
-        if fates[i] == DRAW {
-            places[i] = atomicAdd(&draw_count, 1u);
-        } else if fates[i] == SPLIT {
-            places[i] = atomicAdd(&split_count, 1u);
-        }
+    var place = 0u;
+    if fate.kind == BACK {
+        fate.kind = fate_of_back(packed);
+    }
+    if fate.kind == DRAW {
+        place = atomicAdd(&draw_count, 1u);
+    } else if fate.kind == SPLIT {
+        place = atomicAdd(&split_count, 1u);
     }
     workgroupBarrier();
 
@@ -137,12 +129,11 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     workgroupBarrier();
 
     let part = 3u * view.list_capacity * hemisphere;
-    for (var i = 0u; i < TRIANGLES_PER_THREAD; i += 1u) {
-        if fates[i] == DRAW {
-            write_entry(part + draw_base + 3u * places[i], entries[i]);
-        } else if fates[i] == SPLIT {
-            write_entry(part + 3u * (view.list_capacity - 1u - split_base - places[i]), entries[i]);
-        }
+    let entry = (corners_of(packed) + source.vertex) | fate.flags;
+    if fate.kind != DROP {
+        let drawn_at = draw_base + 3u * place;
+        let split_at = 3u * (view.list_capacity - 1u - split_base - place);
+        write_entry(part + select(split_at, drawn_at, fate.kind == DRAW), entry);
     }
 }
 

@@ -241,23 +241,18 @@ fn push_parts(piece: Piece, edges: u32, big: bool) {
     let info = (piece.info & 0xffffffu) | (level << 27u) | select(0u, PART_FLAG, big);
     let second = (kept & 2u) << 24u;
     let third = (kept & 4u) << 24u;
+    let cuts = countOneBits(edges);
     let ab = dp_bisect(a, b);
-    if countOneBits(edges) == 1u {
-        push(Piece(a, ab, c, info | third));
-        push(Piece(ab, b, c, info | second));
-        return;
-    }
     let bc = dp_bisect(b, c);
-    push(Piece(ab, b, bc, info));
-    if countOneBits(edges) == 2u {
-        push(Piece(a, ab, bc, info));
-        push(Piece(a, bc, c, info | third));
-        return;
-    }
     let ca = dp_bisect(c, a);
-    push(Piece(a, ab, ca, info));
-    push(Piece(ab, bc, ca, info));
-    push(Piece(ca, bc, c, info));
+    push(Piece(a, ab, select(select(bc, ca, cuts == 3u), c, cuts == 1u), info | select(0u, third, cuts == 1u)));
+    push(Piece(ab, b, select(bc, c, cuts == 1u), info | select(0u, second, cuts == 1u)));
+    if cuts >= 2u {
+        push(Piece(select(a, ca, cuts == 3u), bc, c, info | select(0u, third, cuts == 2u)));
+    }
+    if cuts == 3u {
+        push(Piece(ab, bc, ca, info));
+    }
 }
 
 // Room for `count` pieces: where they go. Pieces from the capacity on have no room.
