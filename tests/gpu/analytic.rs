@@ -3,6 +3,7 @@
 use crate::common::{Map, Texel, box_inside, gpu, map, soup};
 use dual_paraboloid::{PointLight, Sides, paraboloid::double};
 use glam::{DQuat, DVec3, Quat, Vec3};
+use std::f32::consts::FRAC_PI_2;
 
 const RESOLUTIONS: [u32; 6] = [64, 128, 256, 512, 1024, 2048];
 
@@ -96,7 +97,7 @@ fn above_a_plane() {
     );
     let mut casters = soup(&[[a, b, c], [a, c, d]], Sides::Both);
     for orientation in
-        [Quat::IDENTITY, Quat::from_rotation_x(1.5707), Quat::from_rotation_z(0.3) * Quat::from_rotation_x(0.8)]
+        [Quat::IDENTITY, Quat::from_rotation_x(FRAC_PI_2), Quat::from_rotation_z(0.3) * Quat::from_rotation_x(0.8)]
     {
         for resolution in [64, 256, 1024] {
             let light = PointLight { orientation, range: 4000.0, ..Default::default() };

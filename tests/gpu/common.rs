@@ -69,8 +69,6 @@ pub struct Map {
 #[derive(Debug, Clone, Copy)]
 pub struct Texel {
     pub back: bool,
-    pub i: u32,
-    pub j: u32,
     /// Its centre in map coordinates.
     pub p: Vec2,
     pub depth: f32,
@@ -96,7 +94,7 @@ impl Map {
             let half = 0.5 * size as f32;
             let p = Vec2::new(i as f32 + 0.5 - half, half - j as f32 - 0.5) * self.texel();
             let depth = self.depth[index as usize];
-            (p.length() <= radius).then_some(Texel { back, i, j, p, depth })
+            (p.length() <= radius).then_some(Texel { back, p, depth })
         })
     }
 
