@@ -11,13 +11,23 @@
 @group(0) @binding(6) var<storage, read_write> lists: array<u32>;
 
 
+// A thread for each vertex and each triangle of a chunk is best where barriers are cheap.
+override THREADS: u32 = 256u;
+
 const DROP: u32 = 0u;
 const DRAW: u32 = 1u;
 const SPLIT: u32 = 2u;
 // Faces away in a closed piece: dropped unless it is next to one that doesn't.
 const BACK: u32 = 3u;
+const KIND_MASK: u32 = 3u;
+const EDGE_SHIFT: u32 = 2u;
+const CULL_SHIFT: u32 = 5u;
+const PLACE_SHIFT: u32 = 7u;
 
 var<workgroup> corners: array<vec3<f32>, 256>;
+// Of each triangle its kind in bits 0-1, its list entry's edge flags in 2-4 and cull flags in 5-6, and from bit 7 on its
+// place among those of its kind.
+var<workgroup> fates: array<u32, 256>;
 // Bit v: a triangle of the chunk that doesn't surely face away has the vertex v.
 var<workgroup> turned: array<atomic<u32>, 8>;
 var<workgroup> draw_count: atomic<u32>;
@@ -25,8 +35,7 @@ var<workgroup> split_count: atomic<u32>;
 var<workgroup> draw_base: u32;
 var<workgroup> split_base: u32;
 
-// A thread for each vertex and then for each triangle of a chunk.
-@compute @workgroup_size(256)
+@compute @workgroup_size(THREADS)
 fn route(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -84,26 +93,24 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
         atomicStore(&draw_count, 0u);
         atomicStore(&split_count, 0u);
     }
-    if thread < 8u {
-        atomicStore(&turned[thread], 0u);
+    for (var i = thread; i < 8u; i += THREADS) {
+        atomicStore(&turned[i], 0u);
     }
-    if thread < vertex_count(source) {
-        let at = 3u * (source.vertex + thread);
+    for (var v = thread; v < vertex_count(source); v += THREADS) {
+        let at = 3u * (source.vertex + v);
         let world = vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);
-        corners[thread] = project_corner(dp_to_hemisphere(light_space(world - view.position), hemisphere == 1u));
+        corners[v] = project_corner(dp_to_hemisphere(light_space(world - view.position), hemisphere == 1u));
     }
     workgroupBarrier();
 
     let rule = culling_rule(chunk);
     // A face turned to the light is clockwise in the map, since (u, v) is seen from the other side.
     let cull = select(0.0, chunk_bounds[chunk].handedness, rule != 0u);
-    var fate = Fate(DROP, vec3<u32>());
-    var packed = 0u;
-    if thread < triangle_count(source) {
-        packed = triangles[source.triangle + thread];
-        let local = corners_of(packed);
-        fate = fate_of(local, rule, cull);
-        if rule == CULL_CLOSED && fate.kind != BACK {
+    for (var t = thread; t < triangle_count(source); t += THREADS) {
+        let local = corners_of(triangles[source.triangle + t]);
+        let fate = fate_of(local, rule, cull);
+        fates[t] = fate;
+        if rule == CULL_CLOSED && (fate & KIND_MASK) != BACK {
             mark_turned(local.x);
             mark_turned(local.y);
             mark_turned(local.z);
@@ -111,14 +118,17 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     }
     workgroupBarrier();
 
-    var place = 0u;
-    if fate.kind == BACK {
-        fate.kind = fate_of_back(packed);
-    }
-    if fate.kind == DRAW {
-        place = atomicAdd(&draw_count, 1u);
-    } else if fate.kind == SPLIT {
-        place = atomicAdd(&split_count, 1u);
+    for (var t = thread; t < triangle_count(source); t += THREADS) {
+        var fate = fates[t];
+        if (fate & KIND_MASK) == BACK {
+            fate = fate_of_back(triangles[source.triangle + t]);
+        }
+        if (fate & KIND_MASK) == DRAW {
+            fate |= atomicAdd(&draw_count, 1u) << PLACE_SHIFT;
+        } else if (fate & KIND_MASK) == SPLIT {
+            fate |= atomicAdd(&split_count, 1u) << PLACE_SHIFT;
+        }
+        fates[t] = fate;
     }
     workgroupBarrier();
 
@@ -129,12 +139,23 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     workgroupBarrier();
 
     let part = 3u * view.list_capacity * hemisphere;
-    let entry = (corners_of(packed) + source.vertex) | fate.flags;
-    if fate.kind != DROP {
-        let drawn_at = draw_base + 3u * place;
-        let split_at = 3u * (view.list_capacity - 1u - split_base - place);
-        write_entry(part + select(split_at, drawn_at, fate.kind == DRAW), entry);
+    for (var t = thread; t < triangle_count(source); t += THREADS) {
+        let fate = fates[t];
+        if (fate & KIND_MASK) != DROP {
+            let place = fate >> PLACE_SHIFT;
+            let drawn_at = draw_base + 3u * place;
+            let split_at = 3u * (view.list_capacity - 1u - split_base - place);
+            let entry = (corners_of(triangles[source.triangle + t]) + source.vertex) | entry_flags(fate);
+            write_entry(part + select(split_at, drawn_at, (fate & KIND_MASK) == DRAW), entry);
+        }
     }
+}
+
+// The upper bits of a list entry.
+fn entry_flags(fate: u32) -> vec3<u32> {
+    let edges = (vec3<u32>(fate >> EDGE_SHIFT) >> vec3<u32>(0u, 1u, 2u)) & vec3<u32>(1u);
+    let culls = (vec3<u32>(fate >> CULL_SHIFT) >> vec3<u32>(0u, 0u, 1u)) & vec3<u32>(0u, 1u, 1u);
+    return (edges * EDGE_FLAG) | (culls * CULL_FLAG);
 }
 
 // Places of a triangle's corners in its chunk.
@@ -142,36 +163,25 @@ fn corners_of(packed: u32) -> vec3<u32> {
     return vec3<u32>(packed, packed >> 8u, packed >> 16u) & vec3<u32>(0xffu);
 }
 
-struct Fate {
-    kind: u32,
-    // Of the list's entry, if it has to be split.
-    flags: vec3<u32>,
-}
-
-// What becomes of a triangle. `cull` is the sign of the map area of triangles that face away, 0 if that doesn't
-// matter.
-fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> Fate {
+// What becomes of a triangle, as `fates` has it without the place. `cull` is the sign of the map area of triangles that
+// face away, 0 if that doesn't matter.
+fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
     let a = corners[local.x];
     let b = corners[local.y];
     let c = corners[local.z];
     if is_outside(a, b, c) {
-        return Fate(DROP, vec3<u32>());
+        return DROP;
     }
     let edges = edges_to_split(a.xy, b.xy, c.xy);
     if edges != 0u {
         // Pieces of a closed piece's triangle are all kept: which of them are next to a turned one isn't known.
-        let flags = vec3<bool>(false, rule == CULL_ALWAYS && cull > 0.0, rule == CULL_ALWAYS && cull < 0.0);
-        let cut = (vec3<u32>(edges) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>();
-        let edge_flags = select(vec3<u32>(), vec3<u32>(EDGE_FLAG), cut);
-        return Fate(SPLIT, edge_flags | select(vec3<u32>(), vec3<u32>(CULL_FLAG), flags));
+        let culls = select(0u, select(1u, 2u, cull < 0.0), rule == CULL_ALWAYS);
+        return SPLIT | (edges << EDGE_SHIFT) | (culls << CULL_SHIFT);
     }
     if is_culled(a.xy, b.xy, c.xy, cull) {
-        return Fate(select(DROP, BACK, rule == CULL_CLOSED), vec3<u32>());
+        return select(DROP, BACK, rule == CULL_CLOSED);
     }
-    if REJECT && is_between_texels(a.xy, b.xy, c.xy) {
-        return Fate(DROP, vec3<u32>());
-    }
-    return Fate(DRAW, vec3<u32>());
+    return select(DRAW, DROP, REJECT && is_between_texels(a.xy, b.xy, c.xy));
 }
 
 fn mark_turned(vertex: u32) {

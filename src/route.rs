@@ -15,7 +15,13 @@ const CHUNK: u32 = crate::chunks::CHUNK_SIZE as u32;
 /// Workgroups of one dispatch; each takes several chunks when there are more.
 const MOST_GROUPS: u32 = 8192;
 
-/// The same for devices in software: starting a workgroup costs them more than a chunk does.
+/// Threads of a workgroup: one for each triangle of a chunk.
+const THREADS: f64 = 256.0;
+
+/// The same for devices in software, where a barrier costs a microsecond for every eight threads.
+const SOFTWARE_THREADS: f64 = 32.0;
+
+/// Workgroups in software: starting a workgroup costs them more than a chunk does.
 const SOFTWARE_GROUPS: u32 = 16;
 
 #[derive(Debug)]
@@ -34,10 +40,12 @@ impl Route {
         let bindings = [Uniform, Counters, Read, Read, Read, Read, Write];
         let layout = gpu::layout(device, "route", wgpu::ShaderStages::COMPUTE, &bindings);
         let module = gpu::shader(device, "route", crate::wgsl::route());
-        let constants = [("REJECT", f64::from(u8::from(reject)))];
+        let software = gpu::is_software(device);
+        let threads = if software { SOFTWARE_THREADS } else { THREADS };
+        let constants = [("REJECT", f64::from(u8::from(reject))), ("THREADS", threads)];
         let pipeline = gpu::compute_pipeline(device, "route", &module, Some(&layout), &constants);
         let capacity = 1024;
-        let most_groups = if gpu::is_software(device) { SOFTWARE_GROUPS } else { MOST_GROUPS };
+        let most_groups = if software { SOFTWARE_GROUPS } else { MOST_GROUPS };
         Self { pipeline, layout, most_groups, lists: lists(device, capacity), capacity }
     }
 
