@@ -4,6 +4,7 @@
 mod analytic;
 mod common;
 mod degenerate;
+mod hard_cases;
 mod mapping;
 mod misuse;
 mod routing;
