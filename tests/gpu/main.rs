@@ -8,4 +8,5 @@ mod hard_cases;
 mod mapping;
 mod misuse;
 mod routing;
+mod seam;
 mod watertight;
