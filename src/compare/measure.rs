@@ -1,5 +1,11 @@
 //! Figures of one scene, light and method, for people and for machines.
 
+mod judge;
+mod subject;
+
+pub use judge::{BIASES, Judged, judge, pair_of_equal_texels};
+pub use subject::{LightChoice, PROCEDURAL, choose_light, find_scene};
+
 use super::error_figures::{MapError, ShadowError, ShadowReport, map_error, shadow_error};
 use super::error_figures::{Receiver, ideal_shadows, sample_receivers, truth};
 use super::fill;

@@ -1,0 +1,94 @@
+//! The command line.
+
+use clap::Parser;
+use dual_paraboloid::compare::baselines::{Lookup, Method};
+use glam::Vec3;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Measure the errors and the time of shadow maps of a scene.
+#[derive(Parser)]
+#[command(name = "measure")]
+pub struct Arguments {
+    /// A .glb or .gltf file, or a scene made in code: hall, few-large, many-small, many-small-N, dense-N (say
+    /// dense-1m), long-hall
+    pub scene: String,
+    /// Position of the light, in world units. Without it, the scene's own point light, or else a place that suits it
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub light: Option<Vec3>,
+    /// How far the light reaches. Without it, as far as the scene's own light does, or past the whole scene
+    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    pub range: Option<f32>,
+    /// Texels across each square of a map: a hemisphere's, or a cube's face
+    #[arg(long, value_name = "N", default_value_t = 1024)]
+    pub resolution: u32,
+    /// Texels of a map in all, the same for every method, in place of --resolution
+    #[arg(long, value_name = "N", conflicts_with = "resolution", value_parser = clap::value_parser!(u64).range(1..))]
+    pub texels: Option<u64>,
+    /// Methods, separated by commas: paraboloid, vertex-warp, cube, cube-plane, cube-unculled, cube-routed,
+    /// cube-multiview, depth-view
+    #[arg(long = "method", value_name = "METHOD", value_delimiter = ',', default_value = "paraboloid")]
+    pub methods: Vec<Entry>,
+    /// Points of the scene to ask for their shadow
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1..))]
+    pub samples: u32,
+    /// Number that the points are drawn with
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// How often to make each map for the time it takes
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
+    pub runs: u32,
+    /// Write the figures: an object for one method, a list of them for several
+    #[arg(long, value_name = "OUT.json")]
+    pub json: Option<PathBuf>,
+    /// Write pictures of where the errors are, to a folder
+    #[arg(long, value_name = "DIR")]
+    pub pictures: Option<PathBuf>,
+}
+
+/// A row of the table: a method with one of its lookups.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Entry {
+    pub method: Method,
+    /// None reads a depth view.
+    pub lookup: Option<Lookup>,
+}
+
+impl Entry {
+    pub fn name(self) -> &'static str {
+        if self.lookup == Some(Lookup::CubePlane) { "cube-plane" } else { self.method.name() }
+    }
+
+    /// Whether it has a time of its own; that of `cube-plane` is the time of `cube`.
+    pub fn is_timed(self) -> bool {
+        self.lookup != Some(Lookup::CubePlane)
+    }
+
+    /// Texels across one square of its map.
+    pub fn side(self, arguments: &Arguments) -> u32 {
+        arguments.texels.map_or(arguments.resolution, |texels| {
+            let side = (texels as f64 / f64::from(self.method.squares())).sqrt().round();
+            (side as u32).max(1)
+        })
+    }
+}
+
+impl FromStr for Entry {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        if name == "cube-plane" {
+            return Ok(Self { method: Method::Cube, lookup: Some(Lookup::CubePlane) });
+        }
+        let method: Method = name.parse().map_err(|error| format!("{error}, cube-plane"))?;
+        Ok(Self { method, lookup: method.lookups().first().copied() })
+    }
+}
+
+fn point(text: &str) -> Result<Vec3, String> {
+    let wrong = || format!("{text:?} is not three finite numbers like 1.5,-2,0");
+    let numbers: Vec<f32> =
+        text.split(',').map(|number| number.trim().parse().map_err(|_| wrong())).collect::<Result<_, _>>()?;
+    let point = Vec3::from_array(numbers.try_into().map_err(|_| wrong())?);
+    if point.is_finite() { Ok(point) } else { Err(wrong()) }
+}

@@ -1,0 +1,86 @@
+//! All figures of all methods.
+
+use crate::arguments::{Arguments, Entry};
+use anyhow::{anyhow, ensure};
+use dual_paraboloid::PointLight;
+use dual_paraboloid::compare::baselines::{Baseline, DeviceScene};
+use dual_paraboloid::compare::gpu::Gpu;
+use dual_paraboloid::compare::measure::{Judged, Truth, judge};
+use dual_paraboloid::compare::timing::{Rounds, Summary, Timer};
+use indicatif::ProgressBar;
+
+/// Rounds that don't count, before the measured ones.
+const WARM_UP: usize = 3;
+
+/// One method with its map and its figures.
+pub struct Measured {
+    pub entry: Entry,
+    pub resolution: u32,
+    pub baseline: Baseline,
+    pub judged: Option<Judged>,
+    pub time: Option<Summary>,
+}
+
+/// Maps of all methods, without figures yet.
+pub fn prepare(gpu: &Gpu, arguments: &Arguments) -> anyhow::Result<Vec<Measured>> {
+    arguments
+        .methods
+        .iter()
+        .map(|&entry| {
+            let name = entry.name();
+            ensure!(entry.method.is_available(gpu), "{name} can't be made, or not right, on {}", gpu.name());
+            let resolution = entry.side(arguments);
+            let baseline = Baseline::new(&gpu.device, entry.method, resolution)?;
+            Ok(Measured { entry, resolution, baseline, judged: None, time: None })
+        })
+        .collect()
+}
+
+/// Judges each method's shadows. A step of the bar for each.
+pub fn find_errors(
+    gpu: &Gpu,
+    measured: &mut [Measured],
+    scene: &mut DeviceScene,
+    light: &PointLight,
+    truth: &Truth,
+    bar: &ProgressBar,
+) -> anyhow::Result<()> {
+    for one in measured {
+        bar.set_message(format!("errors of {}", one.entry.name()));
+        if let Some(lookup) = one.entry.lookup {
+            one.judged = judge(gpu, &mut one.baseline, lookup, scene, light, truth)?;
+        }
+        bar.inc(1);
+    }
+    Ok(())
+}
+
+/// Times all methods that have a time, interleaved. A step of the bar for each map made.
+pub fn find_times(
+    timer: &Timer,
+    gpu: &Gpu,
+    measured: &mut [Measured],
+    scene: &mut DeviceScene,
+    light: &PointLight,
+    runs: usize,
+    bar: &ProgressBar,
+) -> anyhow::Result<()> {
+    bar.set_message("times");
+    let mut timed: Vec<&mut Measured> = measured.iter_mut().filter(|one| one.entry.is_timed()).collect();
+    let mut failed = None;
+    let rounds = Rounds { warm_up: WARM_UP, measured: runs };
+    let times = timer.interleaved(timed.len(), rounds, |way, encoder| {
+        let recorded = timed[way].baseline.record(&gpu.device, &gpu.queue, encoder, scene, light);
+        failed = failed.take().or(recorded.err());
+        bar.inc(1);
+    });
+    for (one, times) in timed.into_iter().zip(times) {
+        one.time = Some(times.gpu);
+    }
+    failed.map_or(Ok(()), |error| Err(anyhow!(error)))
+}
+
+/// Steps of the bar that [`find_times`] takes.
+pub fn time_steps(arguments: &Arguments) -> usize {
+    arguments.methods.iter().filter(|entry| entry.is_timed()).count() * (WARM_UP + arguments.runs as usize)
+}

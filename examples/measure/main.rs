@@ -1,0 +1,103 @@
+//! Measures how wrong a scene's shadows are against a ray-cast truth, and how long their maps take. See README.md
+//! beside this file.
+
+mod arguments;
+mod figures;
+mod pictures;
+mod report;
+#[path = "../render/map.rs"]
+mod truth_depth;
+
+use anyhow::{anyhow, ensure};
+use arguments::Arguments;
+use clap::Parser;
+use dual_paraboloid::Sides;
+use dual_paraboloid::compare::baselines::DeviceScene;
+use dual_paraboloid::compare::gpu::Gpu;
+use dual_paraboloid::compare::measure::{Truth, choose_light, find_scene};
+use dual_paraboloid::compare::timing::{Clock, Timer};
+use indicatif::{ProgressBar, ProgressStyle};
+use report::{Common, grouped};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Bytes of one receiver on the GPU.
+const RECEIVER: u64 = 24;
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Some messages of files and drivers have several lines.
+            let message = error.to_string();
+            eprintln!("measure: {}", message.split_whitespace().collect::<Vec<_>>().join(" "));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let scene = find_scene(&arguments.scene)?;
+    let (light, choice) = choose_light(&scene, arguments.light, arguments.range);
+    light.validate()?;
+    let gpu = Gpu::new(
+        wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS | wgpu::Features::MULTIVIEW,
+    )?;
+    let most = gpu.device.limits().max_storage_buffer_binding_size / RECEIVER;
+    ensure!(u64::from(arguments.samples) <= most, "--samples can be {most} at most on {}", gpu.name());
+    if let Some(folder) = &arguments.pictures {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| anyhow!("can't make the folder {}: {error}", folder.display()))?;
+    }
+    let timer = Timer::new(&gpu);
+    let clock = match timer.clock() {
+        Clock::Timestamps => "timestamps of the GPU",
+        Clock::Wall => "wall time from submitting to idle",
+    };
+    let at = light.position;
+    println!("adapter    {} (times: {clock})", gpu.name());
+    println!("scene      {}: {} triangles", scene.name, grouped(scene.triangle_count()));
+    println!("light      at {},{},{}, range {:.4}, near {:.3e} ({choice})", at.x, at.y, at.z, light.range, light.near);
+
+    let mut measured = figures::prepare(&gpu, arguments)?;
+    let mut casters = DeviceScene::new(&gpu.device, &scene, Sides::Auto)?;
+    let bar = progress(1 + measured.len() + figures::time_steps(arguments));
+    bar.set_message("the truth");
+    let truth = Truth::new(&scene, &light, arguments.samples as usize, arguments.seed);
+    ensure!(
+        !truth.receivers.is_empty(),
+        "the light at {},{},{} reaches no surface of {}",
+        at.x,
+        at.y,
+        at.z,
+        scene.name
+    );
+    bar.inc(1);
+    figures::find_errors(&gpu, &mut measured, &mut casters, &light, &truth, &bar)?;
+    figures::find_times(&timer, &gpu, &mut measured, &mut casters, &light, arguments.runs as usize, &bar)?;
+    bar.finish_and_clear();
+
+    println!();
+    report::print_table(&measured);
+    if let Some(path) = &arguments.json {
+        let common = Common {
+            scene: scene.name.clone(),
+            triangles: scene.triangle_count(),
+            adapter: gpu.name(),
+            runs: arguments.runs,
+        };
+        report::write_json(path, &common, &measured)?;
+    }
+    if let Some(folder) = &arguments.pictures {
+        pictures::write_all(folder, &gpu, &scene, &truth, &measured)?;
+    }
+    Ok(())
+}
+
+/// A bar on stderr; indicatif shows it on a terminal only.
+fn progress(steps: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {elapsed}  {msg}");
+    let bar = ProgressBar::new(steps as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}

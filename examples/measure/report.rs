@@ -1,0 +1,127 @@
+//! The figures as a table and as JSON.
+
+use crate::figures::Measured;
+use anyhow::anyhow;
+use dual_paraboloid::compare::timing::Summary;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::Duration;
+
+/// What all methods have in common.
+pub struct Common {
+    pub scene: String,
+    pub triangles: usize,
+    pub adapter: String,
+    pub runs: u32,
+}
+
+/// Writes an object for one method, a list for several.
+pub fn write_json(path: &Path, common: &Common, measured: &[Measured]) -> anyhow::Result<()> {
+    let mut objects: Vec<Value> = measured.iter().map(|one| object(common, one)).collect();
+    let value = if objects.len() == 1 { objects.remove(0) } else { Value::Array(objects) };
+    std::fs::write(path, format!("{value:#}\n")).map_err(|error| anyhow!("can't write {}: {error}", path.display()))
+}
+
+fn object(common: &Common, one: &Measured) -> Value {
+    let mut object = json!({
+        "scene": common.scene,
+        "method": one.entry.name(),
+        "resolution": one.resolution,
+        "texels": one.baseline.texels(),
+        "bytes": one.baseline.memory(),
+        "triangles": common.triangles,
+        "map": one.judged.as_ref().and_then(|judged| judged.map),
+        "shadow": shadow(one),
+        "time": one.time.map(|time| times(common, &time)),
+    });
+    if let Some(bias) = one.judged.as_ref().and_then(|judged| judged.bias) {
+        object["bias"] = json!(bias);
+    }
+    object
+}
+
+fn shadow(one: &Measured) -> Value {
+    let Some(judged) = &one.judged else { return Value::Null };
+    let mut shadow = json!(judged.shadow);
+    shadow["ideal_wrong_ppm"] = json!(judged.ideal.as_ref().map(|(_, error)| error.wrong_ppm));
+    shadow
+}
+
+fn times(common: &Common, time: &Summary) -> Value {
+    json!({
+        "adapter": common.adapter,
+        "ms_median": milliseconds(time.median),
+        "ms_min": milliseconds(time.min),
+        "ms_max": milliseconds(time.max),
+        "runs": common.runs,
+    })
+}
+
+/// A line for each figure, a column for each method; a dash where a method has no such figure.
+pub fn print_table(measured: &[Measured]) {
+    let line = |title: &str, figure: &dyn Fn(&Measured) -> Option<String>| {
+        let cells: Vec<Option<String>> = measured.iter().map(figure).collect();
+        if cells.iter().any(Option::is_some) {
+            let cells = cells.into_iter().map(|cell| format!(" {:>14}", cell.unwrap_or_else(|| "-".to_owned())));
+            println!("{title:28}{}", cells.collect::<String>());
+        }
+    };
+    line("", &|one| Some(one.entry.name().to_owned()));
+    line("resolution", &|one| Some(one.resolution.to_string()));
+    line("texels", &|one| Some(grouped(one.baseline.texels() as usize)));
+    line("bytes", &|one| Some(grouped(one.baseline.memory() as usize)));
+    map_lines(&line);
+    shadow_lines(&line);
+    line("bias, world units", &|one| Some(format!("{:.3e}", one.judged.as_ref()?.bias?)));
+    line("time, ms: median", &|one| Some(time(one.time?.median)));
+    line("  least", &|one| Some(time(one.time?.min)));
+    line("  most", &|one| Some(time(one.time?.max)));
+}
+
+type Line<'a> = &'a dyn Fn(&str, &dyn Fn(&Measured) -> Option<String>);
+
+fn map_lines(line: Line) {
+    let map = |one: &Measured| one.judged.as_ref()?.map;
+    line("map: texels judged", &|one| Some(grouped(map(one)?.texels)));
+    line("  wrong surface, ppm", &|one| Some(ppm(map(one)?.wrong_surface_ppm)));
+    line("  off any silhouette", &|one| Some(grouped(map(one)?.strays)));
+    line("  holes", &|one| Some(grouped(map(one)?.holes)));
+    line("  phantoms", &|one| Some(grouped(map(one)?.phantoms)));
+    line("  depth error: median", &|one| Some(format!("{:.2e}", map(one)?.depth_error_median)));
+    line("    99 %", &|one| Some(format!("{:.2e}", map(one)?.depth_error_p99)));
+    line("    most", &|one| Some(format!("{:.2e}", map(one)?.depth_error_max)));
+}
+
+fn shadow_lines(line: Line) {
+    let shadow = |one: &Measured| Some(one.judged.as_ref()?.shadow);
+    let ideal = |one: &Measured| Some(one.judged.as_ref()?.ideal.as_ref()?.1);
+    line("shadow: samples", &|one| Some(grouped(shadow(one)?.samples)));
+    line("  truly lit, %", &|one| Some(format!("{:.1}", 100.0 * shadow(one)?.lit_fraction)));
+    line("  wrong, ppm", &|one| Some(ppm(shadow(one)?.wrong_ppm)));
+    line("    leaks", &|one| Some(ppm(shadow(one)?.leak_ppm)));
+    line("    false shadows", &|one| Some(ppm(shadow(one)?.false_shadow_ppm)));
+    line("    far from a boundary", &|one| Some(ppm(shadow(one)?.far_wrong_ppm)));
+    line("  ideal map: wrong, ppm", &|one| Some(ppm(ideal(one)?.wrong_ppm)));
+    line("    far from a boundary", &|one| Some(ppm(ideal(one)?.far_wrong_ppm)));
+    line("  wrong / ideal", &|one| Some(format!("{:.3}", shadow(one)?.wrong_ppm / ideal(one)?.wrong_ppm)));
+}
+
+fn ppm(value: f64) -> String {
+    format!("{value:.0}")
+}
+
+fn time(time: Duration) -> String {
+    format!("{:.3}", milliseconds(time))
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    1000.0 * time.as_secs_f64()
+}
+
+/// A number with commas between its thousands.
+pub fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let from_the_end = digits.as_bytes().rchunks(3).rev();
+    let groups: Vec<_> = from_the_end.map(String::from_utf8_lossy).collect();
+    groups.join(",")
+}

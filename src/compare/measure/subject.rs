@@ -1,0 +1,132 @@
+//! What is measured: a scene by name or file, and a light in it.
+
+use std::fmt;
+use std::path::Path;
+
+use glam::Vec3;
+
+use super::light_for;
+use crate::PointLight;
+use crate::compare::procedural;
+use crate::compare::scene::{Scene, SceneError, known_lights};
+
+/// The names that [`find_scene`] knows; `N` is a number, with `k` or `m` for thousands or millions.
+pub const PROCEDURAL: &str = "hall, few-large, many-small, many-small-N, dense-N (say dense-1m), long-hall";
+
+/// Objects of `many-small` where no number is given.
+const MANY_SMALL: usize = 2000;
+
+/// Makes the procedural scene of that name ([`PROCEDURAL`]), or loads the file.
+///
+/// # Errors
+/// Whatever [`Scene::load`] returns.
+pub fn find_scene(name: &str) -> Result<Scene, SceneError> {
+    match procedural_scene(name) {
+        Some(scene) => Ok(Scene { name: name.to_owned(), ..scene }),
+        None => Scene::load(Path::new(name)),
+    }
+}
+
+fn procedural_scene(name: &str) -> Option<Scene> {
+    match name {
+        "hall" => Some(procedural::hall()),
+        "few-large" => Some(procedural::few_large()),
+        "many-small" => Some(procedural::many_small(MANY_SMALL)),
+        "long-hall" => Some(procedural::long_hall()),
+        _ => {
+            if let Some(number) = name.strip_prefix("dense-") {
+                count(number).map(procedural::dense)
+            } else {
+                count(name.strip_prefix("many-small-")?).map(procedural::many_small)
+            }
+        }
+    }
+}
+
+/// A number above 0 such as 300, 250k or 4m, up to a hundred millions.
+fn count(text: &str) -> Option<usize> {
+    let (digits, unit) = match text.strip_suffix(['k', 'm']) {
+        Some(digits) if text.ends_with('k') => (digits, 1000),
+        Some(digits) => (digits, 1_000_000),
+        None => (text, 1),
+    };
+    let number = digits.parse::<usize>().ok()?.checked_mul(unit)?;
+    (1..=100_000_000).contains(&number).then_some(number)
+}
+
+/// Who said where the light is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LightChoice {
+    /// The caller.
+    Given,
+    /// The scene's own first point light.
+    Scene,
+    /// The list of lights for known files, [`known_lights`].
+    Known,
+    /// [`Scene::suggest_light`].
+    Suggested,
+}
+
+impl fmt::Display for LightChoice {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.pad(match self {
+            Self::Given => "given",
+            Self::Scene => "the scene's own",
+            Self::Known => "known for this file",
+            Self::Suggested => "suggested by the scene's shape",
+        })
+    }
+}
+
+/// The light to measure with. Without a `position`, the first point light that the scene itself has, else the first of
+/// [`known_lights`], else [`Scene::suggest_light`]. Without a `range`, that of the scene's own light, else past the
+/// whole scene. The near distance is always that of [`light_for`].
+#[must_use]
+pub fn choose_light(scene: &Scene, position: Option<Vec3>, range: Option<f32>) -> (PointLight, LightChoice) {
+    let own = scene.lights.first().filter(|_| position.is_none());
+    let known = known_lights(&scene.name).first().map(|&at| Vec3::from_array(at));
+    let (position, choice) = match (position, own, known) {
+        (Some(position), ..) => (position, LightChoice::Given),
+        (_, Some(light), _) => (light.position, LightChoice::Scene),
+        (_, _, Some(position)) => (position, LightChoice::Known),
+        _ => (scene.suggest_light(), LightChoice::Suggested),
+    };
+    let whole = light_for(scene, position);
+    let range = range.or(own.and_then(|light| light.range)).unwrap_or(whole.range);
+    (PointLight { range, ..whole }, choice)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_by_name() {
+        for (name, triangles) in [("few-large", 372), ("dense-10k", procedural::dense(10_000).triangle_count())] {
+            let scene = find_scene(name).expect("a procedural scene");
+            assert_eq!((scene.name.as_str(), scene.triangle_count()), (name, triangles));
+        }
+        assert!(procedural_scene("dense-").is_none() && procedural_scene("dense-0").is_none());
+        assert!(find_scene("no such scene").is_err());
+    }
+
+    #[test]
+    fn counts() {
+        assert_eq!(["7", "250k", "4m"].map(count), [Some(7), Some(250_000), Some(4_000_000)]);
+        assert_eq!(["", "k", "0", "-1", "1g", "999999999999999999999", "101m"].map(count), [None; 7]);
+    }
+
+    #[test]
+    fn the_light_is_the_one_given_or_the_scenes_own() {
+        let mut scene = procedural::few_large();
+        let (own, choice) = choose_light(&scene, None, None);
+        assert_eq!((own.position, own.range, choice), (scene.lights[0].position, 40.0, LightChoice::Scene));
+        let (given, choice) = choose_light(&scene, Some(Vec3::ONE), Some(3.0));
+        assert_eq!((given.position, given.range, choice), (Vec3::ONE, 3.0, LightChoice::Given));
+        assert_eq!(given.near, light_for(&scene, Vec3::ONE).near);
+        scene.lights.clear();
+        assert_eq!(choose_light(&scene, None, None).1, LightChoice::Suggested);
+        scene.name = "barn_lamp".to_owned();
+        assert_eq!(choose_light(&scene, None, None).1, LightChoice::Known);
+    }
+}

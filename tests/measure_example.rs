@@ -1,0 +1,110 @@
+//! The example `measure` as it is run: figures under the names that its README gives, errors that are one line.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Where a test writes; under the build's own folder.
+fn path(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("measure_example");
+    std::fs::create_dir_all(&folder).unwrap();
+    folder.join(name)
+}
+
+fn run(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO"));
+    let profile: &[&str] = if cfg!(debug_assertions) { &[] } else { &["--release"] };
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(["run", "--quiet", "--features", "compare"]).args(profile);
+    command.args(["--example", "measure", "--"]).args(arguments);
+    command.output().expect("cargo doesn't start")
+}
+
+fn utf8(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Runs a quick measurement of a small scene, and returns what it wrote and printed.
+fn measure(name: &str, arguments: &[&str]) -> (Value, String) {
+    let file = path(name);
+    let _ = std::fs::remove_file(&file);
+    let quick = ["few-large", "--samples", "2000", "--runs", "2", "--json", file.to_str().unwrap()];
+    let output = run(&[&quick, arguments].concat());
+    assert!(output.status.success(), "{}", utf8(&output.stderr));
+    let json = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
+    (json, utf8(&output.stdout))
+}
+
+fn assert_keys(object: &Value, keys: &str) {
+    let mut expected: Vec<&str> = keys.split_whitespace().collect();
+    expected.sort_unstable();
+    let mut found: Vec<&String> = object.as_object().expect("an object").keys().collect();
+    found.sort_unstable();
+    assert_eq!(found, expected);
+}
+
+const ALL: &str = "scene method resolution texels bytes triangles map shadow time";
+const SHADOW: &str = "samples lit_fraction wrong_ppm leak_ppm false_shadow_ppm far_wrong_ppm ideal_wrong_ppm";
+
+#[test]
+fn one_method_is_an_object_with_all_keys() {
+    let pictures = path("pictures");
+    let (json, printed) =
+        measure("one.json", &["--resolution", "64", "--seed", "7", "--pictures", pictures.to_str().unwrap()]);
+    assert_keys(&json, ALL);
+    assert_keys(
+        &json["map"],
+        "texels wrong_surface_ppm holes phantoms depth_error_median depth_error_p99 depth_error_max",
+    );
+    assert_keys(&json["shadow"], SHADOW);
+    assert_keys(&json["time"], "adapter ms_median ms_min ms_max runs");
+    assert_eq!((&json["scene"], &json["method"]), (&Value::from("few-large"), &Value::from("paraboloid")));
+    let numbers = [&json["resolution"], &json["texels"], &json["triangles"], &json["shadow"]["samples"]];
+    assert_eq!(numbers.map(Value::as_u64), [64, 2 * 64 * 64, 372, 2000].map(Some));
+    assert!(json["shadow"]["ideal_wrong_ppm"].as_f64().is_some() && json["time"]["ms_median"].as_f64() > Some(0.0));
+    for word in ["adapter", "the scene's own", "wrong, ppm", "holes", "time, ms"] {
+        assert!(printed.contains(word), "{word} is missing in:\n{printed}");
+    }
+    for (name, size) in [("map.png", (128, 128)), ("screen-paraboloid.png", (960, 270))] {
+        assert_eq!(image::open(pictures.join(name)).unwrap().to_rgb8().dimensions(), size, "{name}");
+    }
+}
+
+#[test]
+fn several_methods_are_a_list_with_nulls_for_what_they_lack() {
+    let methods = ["paraboloid", "vertex-warp", "cube", "cube-plane", "depth-view"];
+    let (json, _) = measure("list.json", &["--texels", "8192", "--method", &methods.join(",")]);
+    let list = json.as_array().expect("a list");
+    assert_eq!(list.iter().map(|one| one["method"].as_str().unwrap()).collect::<Vec<_>>(), methods);
+    let resolutions = list.iter().map(|one| one["resolution"].as_u64().unwrap());
+    assert_eq!(resolutions.collect::<Vec<_>>(), [64, 64, 37, 37, 64]);
+    for (number, one) in list.iter().enumerate() {
+        assert_keys(one, if number == 1 { &[ALL, " bias"].concat() } else { ALL }.as_ref());
+        assert_eq!(one["map"].is_null(), number != 0);
+        assert_eq!(one["time"].is_null(), number == 3);
+        assert_eq!(one["shadow"].is_null(), number == 4);
+        if number < 4 {
+            assert_keys(&one["shadow"], SHADOW);
+            assert_eq!(one["shadow"]["ideal_wrong_ppm"].is_null(), number != 0);
+        }
+    }
+    assert!(list[1]["bias"].as_f64() > Some(0.0));
+}
+
+#[test]
+fn what_cannot_be_measured_is_one_line() {
+    for (arguments, with) in [
+        (&["no such file.glb"][..], "no such file.glb"),
+        (&["few-large", "--range", "-3"], "-3"),
+        (&["few-large", "--resolution", "0"], "resolution"),
+        (&["few-large", "--light", "1000,0,0", "--range", "1"], "reaches no surface"),
+    ] {
+        let output = run(&[arguments, &["--samples", "100", "--runs", "1"]].concat());
+        let said = utf8(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
+        let lines: Vec<&str> = said.lines().filter(|line| line.starts_with("measure: ")).collect();
+        assert!(lines.len() == 1 && lines[0].contains(with) && !said.contains("panicked"), "{arguments:?}: {said}");
+    }
+    for wrong in [&["--light", "1,2"][..], &["--method", "shadow-volume"], &["--samples", "0"], &["--texels", "0"]] {
+        assert_eq!(run(&[&["few-large"], wrong].concat()).status.code(), Some(2), "{wrong:?}");
+    }
+}
