@@ -16,7 +16,7 @@
 
 override COARSE: bool = true;
 
-const THREADS: u32 = 64u;
+override THREADS: u32 = 64u;
 const STACK: u32 = 384u;
 // Cuts from a triangle to its smallest piece. Each halves the angle of an edge, so 8 would do; the rest is for edges
 // that come out of a cut longer than they would need.
@@ -46,7 +46,7 @@ var<workgroup> size: u32;
 var<workgroup> leaf_count: atomic<u32>;
 var<workgroup> leaf_base: u32;
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(THREADS)
 fn split(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,

@@ -19,10 +19,11 @@ const MOST_GROUPS: u32 = 8192;
 const THREADS: f64 = 256.0;
 
 /// The same for devices in software, where a barrier costs a microsecond for every eight threads.
-const SOFTWARE_THREADS: f64 = 32.0;
+const SOFTWARE_THREADS: f64 = 8.0;
 
-/// Workgroups in software: starting a workgroup costs them more than a chunk does.
-const SOFTWARE_GROUPS: u32 = 16;
+/// Workgroups in software. So many that none takes more than some dozen chunks: llvmpipe ends the loops of an invocation
+/// after 65,535 rounds in all.
+const SOFTWARE_GROUPS: u32 = 1024;
 
 #[derive(Debug)]
 pub(crate) struct Route {

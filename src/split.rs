@@ -6,9 +6,15 @@ use crate::view::{Arguments, MapShape, SLOT, View};
 /// Workgroups per hemisphere; they share the triangles out evenly, neighbours to different ones.
 const GROUPS: u32 = 512;
 
-/// The same for devices in software: they have few threads, and a workgroup without work costs them tens of
-/// microseconds.
-const SOFTWARE_GROUPS: u32 = 16;
+/// Threads of a workgroup.
+const THREADS: f64 = 64.0;
+
+/// The same for devices in software, where a barrier costs a microsecond for every eight threads.
+const SOFTWARE_THREADS: f64 = 8.0;
+
+/// Workgroups for devices in software: enough that none comes near the 65,535 rounds after which llvmpipe ends the loops
+/// of an invocation.
+const SOFTWARE_GROUPS: u32 = 128;
 
 /// Bytes of a piece: three corners.
 const PIECE_SIZE: u64 = 36;
@@ -36,13 +42,15 @@ impl Split {
         let layout =
             gpu::layout(device, "split", wgpu::ShaderStages::COMPUTE, &[Uniform, Counters, Write, Read, Write, Write]);
         let module = gpu::shader(device, "split", crate::wgsl::split());
+        let software = gpu::is_software(device);
+        let threads = if software { SOFTWARE_THREADS } else { THREADS };
         let pipelines = [1.0, 0.0].map(|coarse| {
-            let constants = [("REJECT", f64::from(u8::from(reject))), ("COARSE", coarse)];
+            let constants = [("REJECT", f64::from(u8::from(reject))), ("COARSE", coarse), ("THREADS", threads)];
             gpu::compute_pipeline(device, "split", &module, Some(&layout), &constants)
         });
         let size = 2 * PART_SIZE * u64::from(PART_CAPACITY);
         let parts = gpu::buffer(device, "split::parts", size, wgpu::BufferUsages::STORAGE);
-        let groups = if gpu::is_software(device) { SOFTWARE_GROUPS } else { GROUPS };
+        let groups = if software { SOFTWARE_GROUPS } else { GROUPS };
         Self { pipelines, parts, groups, layout, pieces: pieces(device, 1), capacity: 1 }
     }
 
