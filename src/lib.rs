@@ -84,4 +84,6 @@ pub mod wgsl;
 pub use casters::{CasterMesh, Casters, Indices, InstanceId, MeshId, Sides};
 pub use error::Error;
 pub use light::{Coverage, PointLight};
+#[cfg(feature = "compare")]
+pub use shadows::Stage;
 pub use shadows::{LightId, PointShadows, PointShadowsDescriptor};

@@ -78,6 +78,20 @@ pub struct PointShadows {
     /// Jobs of the last recording that made a map.
     jobs: usize,
     groups: Option<Groups>,
+    /// The last stage that is recorded.
+    until: Stage,
+}
+
+/// A stage of [`PointShadows::record`] on the GPU; each needs those before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Stage {
+    /// Which triangles each hemisphere draws or splits.
+    Route,
+    /// From triangles that would bend to pieces.
+    Split,
+    /// The render pass.
+    #[default]
+    Depth,
 }
 
 /// Bind groups over the casters' buffers, and of which casters.
@@ -132,7 +146,14 @@ impl PointShadows {
             wanted: 0,
             jobs: 0,
             groups: None,
+            until: Stage::default(),
         })
+    }
+
+    /// Records the stages up to this one only, to see what each takes. The maps are right with [`Stage::Depth`] alone.
+    #[cfg(feature = "compare")]
+    pub fn stop_after(&mut self, stage: Stage) {
+        self.until = stage;
     }
 
     /// Adds a light; its map is made at the next [`Self::record`], and until then it has the place's old one.
@@ -267,9 +288,13 @@ impl PointShadows {
                     timestamp_writes: None,
                 });
                 self.route.record(&mut pass, &groups.route, job, chunks.len() as u32);
-                self.split.record(&mut pass, &groups.split, job);
+                if self.until >= Stage::Split {
+                    self.split.record(&mut pass, &groups.split, job);
+                }
                 drop(pass);
-                draw(encoder, Some(job), part == 0);
+                if self.until >= Stage::Depth {
+                    draw(encoder, Some(job), part == 0);
+                }
             }
         }
     }

@@ -27,7 +27,7 @@ pub use vertex_warp::VertexWarp;
 use super::fill;
 use super::gpu::{Gpu, evaluation};
 use super::scene::Scene;
-use crate::{Casters, Error, PointLight, PointShadows, Sides};
+use crate::{Casters, Error, PointLight, PointShadows, Sides, Stage};
 use glam::Vec3;
 use pair::Pair;
 
@@ -186,6 +186,13 @@ impl Baseline {
         match &self.kind {
             Kind::Pair(pair) => Some(pair.shadows()),
             _ => None,
+        }
+    }
+
+    /// Records the library's stages up to this one only, if this is [`Method::Paraboloid`]; else does nothing.
+    pub fn stop_after(&mut self, stage: Stage) {
+        if let Kind::Pair(pair) = &mut self.kind {
+            pair.stop_after(stage);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::casters::Casters;
 use crate::light::PointLight;
-use crate::{Error, LightId, PointShadows, PointShadowsDescriptor};
+use crate::{Error, LightId, PointShadows, PointShadowsDescriptor, Stage};
 
 /// A light's pair of maps from [`PointShadows`], without the benefit of not being stale.
 #[derive(Debug)]
@@ -35,6 +35,10 @@ impl Pair {
         let made = self.shadows.record(device, queue, encoder, casters);
         debug_assert_eq!(made, 1, "the map was taken for fresh");
         Ok(())
+    }
+
+    pub(super) fn stop_after(&mut self, stage: Stage) {
+        self.shadows.stop_after(stage);
     }
 
     pub(super) fn shadows(&self) -> &PointShadows {
