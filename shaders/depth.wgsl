@@ -19,6 +19,17 @@ struct HemisphereView {
 
 @vertex
 fn depth(@location(0) position: vec3<f32>) -> @invariant @builtin(position) vec4<f32> {
+    return clip_position(position);
+}
+
+// A corner of a piece, with the piece's shift of 1/w.
+@vertex
+fn depth_of_piece(@location(0) corner: vec4<f32>) -> @invariant @builtin(position) vec4<f32> {
+    let clip = clip_position(corner.xyz);
+    return vec4<f32>(clip.xy, clip.z * (1.0 + corner.w * clip.w), clip.w);
+}
+
+fn clip_position(position: vec3<f32>) -> vec4<f32> {
     let relative = position - hemisphere.origin;
     let x = vec3<f32>(
         dot(hemisphere.right, relative),

@@ -3,8 +3,6 @@
 
 // Cosine (120 degrees from the axis) behind which a vertex can't belong to a triangle that touches the disc.
 const DP_BEHIND: f32 = -0.5;
-// sin^2 of half the widest angle (16 degrees) that an unsplit edge may span.
-const DP_EDGE_SINE_SQUARED: f32 = 0.01937;
 
 fn dp_to_hemisphere(light_space: vec3<f32>, back: bool) -> vec3<f32> {
     return select(light_space, vec3<f32>(-light_space.x, light_space.y, -light_space.z), back);
@@ -71,11 +69,9 @@ fn dp_sagitta(chord: f32, curvature: f32) -> f32 {
     return 0.25 * chord * chord * curvature / (1.0 + sqrt(max(1.0 - half * half, 0.0)));
 }
 
-fn dp_edge_needs_split(a: vec2<f32>, b: vec2<f32>, texels: f32, tolerance: f32) -> bool {
+fn dp_edge_bend(a: vec2<f32>, b: vec2<f32>, texels: f32) -> f32 {
     let d = b - a;
-    let chord_squared = dot(d, d);
-    return 0.125 * chord_squared * texels > tolerance
-        || chord_squared > DP_EDGE_SINE_SQUARED * (1.0 + dot(a, a)) * (1.0 + dot(b, b));
+    return 0.125 * texels * dot(d, d);
 }
 
 fn dp_bisect(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {

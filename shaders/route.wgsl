@@ -20,13 +20,15 @@ const SPLIT: u32 = 2u;
 // Faces away in a closed piece: dropped unless it is next to one that doesn't.
 const BACK: u32 = 3u;
 const KIND_MASK: u32 = 3u;
-const EDGE_SHIFT: u32 = 2u;
-const CULL_SHIFT: u32 = 5u;
-const PLACE_SHIFT: u32 = 7u;
+const CULL_SHIFT: u32 = 2u;
+const PLACE_SHIFT: u32 = 4u;
+// Share of the tolerance that the edges of a triangle drawn whole may bend: depth is off by 4/3 of it at most, and the
+// split, which cuts what is above the whole, never cuts the neighbour's side of such an edge, however it rounds.
+const WHOLE_SHARE: f32 = 0.375;
 
 var<workgroup> corners: array<vec3<f32>, 256>;
-// Of each triangle its kind in bits 0-1, its list entry's edge flags in 2-4 and cull flags in 5-6, and from bit 7 on its
-// place among those of its kind.
+// Of each triangle its kind in bits 0-1, its list entry's cull flags in 2-3, and from bit 4 on its place among those of
+// its kind.
 var<workgroup> fates: array<u32, 256>;
 // Bit v: a triangle of the chunk that doesn't surely face away has the vertex v.
 var<workgroup> turned: array<atomic<u32>, 8>;
@@ -99,7 +101,7 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     for (var v = thread; v < vertex_count(source); v += THREADS) {
         let at = 3u * (source.vertex + v);
         let world = vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);
-        corners[v] = project_corner(dp_to_hemisphere(light_space(world - view.position), hemisphere == 1u));
+        corners[v] = project_corner(hemisphere_space(world - view.position, hemisphere));
     }
     workgroupBarrier();
 
@@ -153,9 +155,8 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
 
 // The upper bits of a list entry.
 fn entry_flags(fate: u32) -> vec3<u32> {
-    let edges = (vec3<u32>(fate >> EDGE_SHIFT) >> vec3<u32>(0u, 1u, 2u)) & vec3<u32>(1u);
     let culls = (vec3<u32>(fate >> CULL_SHIFT) >> vec3<u32>(0u, 0u, 1u)) & vec3<u32>(0u, 1u, 1u);
-    return (edges * EDGE_FLAG) | (culls * CULL_FLAG);
+    return culls * CULL_FLAG;
 }
 
 // Places of a triangle's corners in its chunk.
@@ -172,16 +173,22 @@ fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
     if is_outside(a, b, c) {
         return DROP;
     }
-    let edges = edges_to_split(a.xy, b.xy, c.xy);
-    if edges != 0u {
+    let bends = edge_bends(a.xy, b.xy, c.xy);
+    let slants = edge_slants(unprojected(a), unprojected(b), unprojected(c));
+    if any(bends * slants > vec3<f32>(WHOLE_SHARE * view.tolerance)) || any(bends > vec3<f32>(view.longest_bend)) {
         // Pieces of a closed piece's triangle are all kept: which of them are next to a turned one isn't known.
         let culls = select(0u, select(1u, 2u, cull < 0.0), rule == CULL_ALWAYS);
-        return SPLIT | (edges << EDGE_SHIFT) | (culls << CULL_SHIFT);
+        return SPLIT | (culls << CULL_SHIFT);
     }
     if is_culled(a.xy, b.xy, c.xy, cull) {
         return select(DROP, BACK, rule == CULL_CLOSED);
     }
     return select(DRAW, DROP, REJECT && is_between_texels(a.xy, b.xy, c.xy));
+}
+
+// Hemisphere space again.
+fn unprojected(corner: vec3<f32>) -> vec3<f32> {
+    return dp_unproject_scaled(corner.xy) * abs(corner.z);
 }
 
 fn mark_turned(vertex: u32) {

@@ -1,6 +1,10 @@
-// Split: cuts triangles whose edges bend too much in the map until no chord's bend is above the tolerance. A
+// Split: cuts triangles whose edges bend too much in the map into pieces that may be drawn with straight ones. A
 // workgroup works on a stack of pieces in its own memory; an edge is cut where the bisector of its angle at the light
-// meets it, and whether it is cut depends on its two ends alone.
+// meets it.
+//
+// Whether a part of one of the triangle's own edges is cut depends on its two ends alone, so that the neighbour agrees.
+// Cuts inside of the triangle are nobody else's business. There the chord's place doesn't matter, since both sides show
+// the same plane, but depth does: interpolated, it is off by the bend times the slant of the plane.
 //
 // Twice: the first time (COARSE) over the route's triangles, where parts of big ones are handed on once they are
 // middling, so that the second time all workgroups have a share of a wall that fills the view.
@@ -9,21 +13,23 @@
 @group(0) @binding(1) var<storage, read_write> arguments: Arguments;
 @group(0) @binding(2) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(3) var<storage, read> positions: array<f32>;
-// Corners relative to the light, nine numbers a piece; a part for each hemisphere.
-@group(0) @binding(4) var<storage, read_write> pieces: array<f32>;
-// Middling parts of big triangles, their corners and then their info; a part for each hemisphere.
-@group(0) @binding(5) var<storage, read_write> parts: array<array<u32, 10>>;
+// Three corners a piece, relative to the light, each with the piece's depth shift; a part for each hemisphere.
+@group(0) @binding(4) var<storage, read_write> pieces: array<vec4<f32>>;
+// Middling parts of big triangles, as on the stack; a part for each hemisphere.
+@group(0) @binding(5) var<storage, read_write> parts: array<Stacked>;
 
 override COARSE: bool = true;
+const CAP: f32 = 1.0;
+const SHAPE: f32 = 0.15;
 
 override THREADS: u32 = 64u;
-const STACK: u32 = 384u;
+const STACK: u32 = 264u;
 // Cuts from a triangle to its smallest piece. Each halves the angle of an edge, so 8 would do; the rest is for edges
 // that come out of a cut longer than they would need.
 const MOST_LEVELS: u32 = 15u;
 // Room to finish one piece at a time, depth first, when the stack is nearly full.
 const RESERVE: u32 = 3u * MOST_LEVELS;
-// A piece is big if an edge has more than this many times the tolerable bend: it makes some hundred pieces or more.
+// A piece is big if an edge has more than this many times the tolerable bend: it makes some dozens of pieces or more.
 const BIG: f32 = 64.0;
 // Parts that a hemisphere has room for; what finds none is cut where it is.
 const PART_CAPACITY: u32 = 16384u;
@@ -32,15 +38,21 @@ struct Piece {
     a: vec3<f32>,
     b: vec3<f32>,
     c: vec3<f32>,
-    // Bits 0-21 the place in the list, 22-23 the cull flags, 24-26 the edges that are not to be cut, 27-30 the level,
-    // 31 whether it is part of a big piece.
+    // How far the edges from a, from b and from c on may bend, in texels; 0 for parts of the triangle's own edges.
+    limits: vec3<f32>,
+    // Of the triangle's plane N.X = D in hemisphere space, |N.z| and N.z / D.
+    slant: f32,
+    lean: f32,
+    // Bits 0-21 the place in the list, 22-23 the cull flags, 27-30 the level, 31 whether it is part of a big piece.
     info: u32,
 }
 
+// A piece in fourteen numbers and its info.
+alias Stacked = array<u32, 15>;
+
 const PART_FLAG: u32 = 0x80000000u;
 
-var<workgroup> stack: array<array<f32, 9>, STACK>;
-var<workgroup> stack_info: array<u32, STACK>;
+var<workgroup> stack: array<Stacked, STACK>;
 var<workgroup> stack_size: atomic<u32>;
 var<workgroup> size: u32;
 var<workgroup> leaf_count: atomic<u32>;
@@ -70,7 +82,7 @@ fn split(
             if COARSE {
                 push(whole_triangle(hemisphere, place));
             } else {
-                push(read_part(hemisphere, place));
+                push(from_stacked(parts[PART_CAPACITY * hemisphere + place]));
             }
         }
         work(hemisphere, thread);
@@ -80,6 +92,7 @@ fn split(
 // Empties the stack. Every cut halves an edge's angle and no piece is cut more than MOST_LEVELS times, so this ends.
 fn work(hemisphere: u32, thread: u32) {
     var leaf: Piece;
+    var shift = 0.0;
     var is_leaf = false;
     var place = 0u;
     loop {
@@ -90,7 +103,7 @@ fn work(hemisphere: u32, thread: u32) {
         }
         let on_stack = workgroupUniformLoad(&size);
         if is_leaf {
-            write_leaf(hemisphere, leaf_base + place, leaf);
+            write_leaf(hemisphere, leaf_base + place, leaf, shift);
             is_leaf = false;
         }
         if on_stack == 0u {
@@ -100,46 +113,42 @@ fn work(hemisphere: u32, thread: u32) {
         let room = (STACK - RESERVE - min(on_stack, STACK - RESERVE)) / 3u;
         let taken = min(min(on_stack, THREADS), max(room, 1u));
         if thread < taken {
-            leaf = read_stack(on_stack - 1u - thread);
+            leaf = from_stacked(stack[on_stack - 1u - thread]);
         }
         if thread == 0u {
             atomicStore(&stack_size, on_stack - taken);
         }
         workgroupBarrier();
-        if thread < taken && cut(leaf, hemisphere) {
+        if thread < taken && cut(leaf, hemisphere, &shift) {
             is_leaf = true;
             place = atomicAdd(&leaf_count, 1u);
         }
     }
 }
 
-fn read_stack(at: u32) -> Piece {
+fn from_stacked(s: Stacked) -> Piece {
     return Piece(
-        vec3<f32>(stack[at][0], stack[at][1], stack[at][2]),
-        vec3<f32>(stack[at][3], stack[at][4], stack[at][5]),
-        vec3<f32>(stack[at][6], stack[at][7], stack[at][8]),
-        stack_info[at],
+        bitcast<vec3<f32>>(vec3<u32>(s[0], s[1], s[2])),
+        bitcast<vec3<f32>>(vec3<u32>(s[3], s[4], s[5])),
+        bitcast<vec3<f32>>(vec3<u32>(s[6], s[7], s[8])),
+        bitcast<vec3<f32>>(vec3<u32>(s[9], s[10], s[11])),
+        bitcast<f32>(s[12]),
+        bitcast<f32>(s[13]),
+        s[14],
     );
+}
+
+fn to_stacked(p: Piece) -> Stacked {
+    let a = bitcast<vec3<u32>>(p.a);
+    let b = bitcast<vec3<u32>>(p.b);
+    let c = bitcast<vec3<u32>>(p.c);
+    let l = bitcast<vec3<u32>>(p.limits);
+    let plane = bitcast<vec2<u32>>(vec2<f32>(p.slant, p.lean));
+    return Stacked(a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, l.x, l.y, l.z, plane.x, plane.y, p.info);
 }
 
 fn push(piece: Piece) {
-    let at = atomicAdd(&stack_size, 1u);
-    stack[at] = corner_list(piece);
-    stack_info[at] = piece.info;
-}
-
-fn corner_list(p: Piece) -> array<f32, 9> {
-    return array<f32, 9>(p.a.x, p.a.y, p.a.z, p.b.x, p.b.y, p.b.z, p.c.x, p.c.y, p.c.z);
-}
-
-fn read_part(hemisphere: u32, place: u32) -> Piece {
-    let part = parts[PART_CAPACITY * hemisphere + place];
-    return Piece(
-        bitcast<vec3<f32>>(vec3<u32>(part[0], part[1], part[2])),
-        bitcast<vec3<f32>>(vec3<u32>(part[3], part[4], part[5])),
-        bitcast<vec3<f32>>(vec3<u32>(part[6], part[7], part[8])),
-        part[9],
-    );
+    stack[atomicAdd(&stack_size, 1u)] = to_stacked(piece);
 }
 
 // Hands a piece on to the second time; false if there is no room.
@@ -148,10 +157,7 @@ fn hand_on(hemisphere: u32, piece: Piece) -> bool {
     if place >= PART_CAPACITY {
         return false;
     }
-    let a = bitcast<vec3<u32>>(piece.a);
-    let b = bitcast<vec3<u32>>(piece.b);
-    let c = bitcast<vec3<u32>>(piece.c);
-    parts[PART_CAPACITY * hemisphere + place] = array<u32, 10>(a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, piece.info);
+    parts[PART_CAPACITY * hemisphere + place] = to_stacked(piece);
     return true;
 }
 
@@ -161,17 +167,21 @@ fn list_place(hemisphere: u32, place: u32) -> u32 {
 
 fn whole_triangle(hemisphere: u32, place: u32) -> Piece {
     let at = list_place(hemisphere, place);
-    let a = lists[at];
-    let b = lists[at + 1u];
-    let c = lists[at + 2u];
-    let edges = (a >> 31u) | ((b >> 31u) << 1u) | ((c >> 31u) << 2u);
-    let culls = select(0u, 1u, (b & CULL_FLAG) != 0u) | select(0u, 2u, (c & CULL_FLAG) != 0u);
-    return Piece(
-        relative_position(a & VERTEX_MASK),
-        relative_position(b & VERTEX_MASK),
-        relative_position(c & VERTEX_MASK),
-        place | (culls << 22u) | ((edges ^ 7u) << 24u),
-    );
+    let culls = select(0u, 1u, (lists[at + 1u] & CULL_FLAG) != 0u) | select(0u, 2u, (lists[at + 2u] & CULL_FLAG) != 0u);
+    let a = relative_position(lists[at] & VERTEX_MASK);
+    let b = relative_position(lists[at + 1u] & VERTEX_MASK);
+    let c = relative_position(lists[at + 2u] & VERTEX_MASK);
+    let e = b - a;
+    let f = c - a;
+    let normal = cross(e, f);
+    let area = length(normal);
+    let plane_distance = dot(normal, a);
+    let normal_z = hemisphere_space(normal, hemisphere).z;
+    // The normal of a sliver is noise.
+    let known = area > 1e-3 * length(e) * length(f);
+    let slant = select(1.0, abs(normal_z) / area, known);
+    let lean = select(0.0, normal_z / plane_distance, known && plane_distance != 0.0);
+    return Piece(a, b, c, vec3<f32>(), slant, lean, place | (culls << 22u));
 }
 
 fn relative_position(vertex: u32) -> vec3<f32> {
@@ -179,80 +189,126 @@ fn relative_position(vertex: u32) -> vec3<f32> {
     return vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]) - view.position;
 }
 
-fn corner(relative: vec3<f32>, hemisphere: u32) -> vec3<f32> {
-    return project_corner(dp_to_hemisphere(light_space(relative), hemisphere == 1u));
-}
-
-// Pushes the parts of a piece, or returns true if it is to be drawn.
-fn cut(piece: Piece, hemisphere: u32) -> bool {
-    let a = corner(piece.a, hemisphere);
-    let b = corner(piece.b, hemisphere);
-    let c = corner(piece.c, hemisphere);
+// Pushes the parts of a piece; or returns true if it is to be drawn, with its depth shift.
+fn cut(piece: Piece, hemisphere: u32, shift: ptr<function, f32>) -> bool {
+    let x = hemisphere_space(piece.a, hemisphere);
+    let y = hemisphere_space(piece.b, hemisphere);
+    let z = hemisphere_space(piece.c, hemisphere);
+    let a = project_corner(x);
+    let b = project_corner(y);
+    let c = project_corner(z);
     // A triangle with a corner in the light itself is seen edge-on and covers nothing.
     let through_light = all(piece.a == vec3<f32>()) || all(piece.b == vec3<f32>()) || all(piece.c == vec3<f32>());
     if through_light || is_outside(a, b, c) {
         return false;
     }
     let level = (piece.info >> 27u) & 15u;
-    // What the route has decided about the edges of whole triangles stands: another shader may round another way, and
-    // the neighbour may not have come here.
-    let kept = (piece.info >> 24u) & 7u;
-    var edges = kept ^ 7u;
-    if level > 0u {
-        edges &= edges_to_split(a.xy, b.xy, c.xy);
-    }
+    let bends = edge_bends(a.xy, b.xy, c.xy);
+    let excess = edge_excess(bends, outline_limits(a.xy, b.xy, c.xy, edge_slants(x, y, z)), piece.limits);
+    let cuts = select(vec3<u32>(), vec3<u32>(1u, 2u, 4u), excess > vec3<f32>(1.0));
+    let edges = cuts.x | cuts.y | cuts.z;
     if edges == 0u || level == MOST_LEVELS {
         let cull = select(0.0, 1.0, (piece.info & (1u << 22u)) != 0u) - select(0.0, 1.0, (piece.info & (2u << 22u)) != 0u);
+        *shift = depth_shift(piece.lean, a, b, c);
         return !(is_culled(a.xy, b.xy, c.xy, cull) || (REJECT && is_between_texels(a.xy, b.xy, c.xy)));
     }
-    let big = COARSE && is_big(a.xy, b.xy, c.xy);
+    let big = COARSE && max(excess.x, max(excess.y, excess.z)) > BIG;
     if COARSE && !big && (piece.info & PART_FLAG) != 0u && hand_on(hemisphere, piece) {
         return false;
     }
-    push_parts(piece, edges, big);
+    push_parts(piece, edges, big, inner_limit(piece));
     return false;
 }
 
-fn is_big(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> bool {
+// How far edges inside of a piece may bend.
+fn inner_limit(piece: Piece) -> f32 {
+    // Sines of the angles as seen from the light.
+    let ab = normalize(cross(piece.a, piece.b));
+    let bc = normalize(cross(piece.b, piece.c));
+    let ca = normalize(cross(piece.c, piece.a));
+    let sine = min(length(cross(ab, bc)), min(length(cross(bc, ca)), length(cross(ca, ab))));
+    let flat = view.tolerance / max(piece.slant, 1e-6);
+    let shape = SHAPE * sine * sqrt(view.tolerance * view.texels);
+    return max(view.tolerance, min(min(flat, shape), view.longest_bend));
+}
+
+fn height_of(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> f32 {
     let e = b - a;
     let f = c - b;
     let g = a - c;
-    return 0.125 * view.texels * max(dot(e, e), max(dot(f, f), dot(g, g))) > BIG * view.tolerance;
+    let longest = max(dot(e, e), max(dot(f, f), dot(g, g)));
+    return abs(e.x * g.y - e.y * g.x) / sqrt(longest);
 }
 
-fn push_parts(piece: Piece, edges: u32, big: bool) {
+// How far parts of a triangle's own edges may bend: a function of the two ends alone, the same from both sides. As far as
+// they curve, chords miss them by the bend; depth along them is off by the bend too, as far as they are across the axis.
+fn outline_limits(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, slants: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(view.tolerance) / slants;
+}
+
+// How many times the bend they may have the edges have.
+fn edge_excess(bends: vec3<f32>, outline: vec3<f32>, inner: vec3<f32>) -> vec3<f32> {
+    let limits = min(select(inner, outline, inner == vec3<f32>()), vec3<f32>(view.longest_bend));
+    return bends / limits;
+}
+
+// What is added to 1/w of a piece, so that depth is off to both sides of its plane alike. Interpolated linearly, 1/w is
+// off by N.z/(2 D) times |p|^2 less its own interpolation, which is 0 at the corners and goes as far as the circle
+// through them.
+fn depth_shift(lean: f32, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {
+    let e = b.xy - a.xy;
+    let f = c.xy - b.xy;
+    let g = a.xy - c.xy;
+    let squares = vec3<f32>(dot(e, e), dot(f, f), dot(g, g));
+    let longest = max(squares.x, max(squares.y, squares.z));
+    let area = e.x * g.y - e.y * g.x;
+    // Of an obtuse triangle only a part of the circle is inside: half the longest edge is as far as it goes.
+    let circle = squares.x * squares.y * squares.z / (4.0 * area * area);
+    let obtuse = 2.0 * longest >= squares.x + squares.y + squares.z;
+    let farthest = select(min(circle, longest / 3.0), 0.25 * longest, obtuse);
+    let limit = 0.25 / max(abs(a.z), max(abs(b.z), abs(c.z)));
+    let thin = clamp(height_of(a.xy, b.xy, c.xy) / (CAP * 0.125 * longest), 0.0, 1.0);
+    return clamp(min(0.5 * lean, 0.0) * farthest * thin, -limit, 0.0);
+}
+
+fn push_parts(piece: Piece, edges: u32, big: bool, inner: f32) {
     // Turned so that the first edge is cut, and the second too if two are.
     var a = piece.a;
     var b = piece.b;
     var c = piece.c;
-    var kept = (piece.info >> 24u) & 7u;
+    var outer = piece.limits;
     if edges == 2u || edges == 6u {
         a = piece.b;
         b = piece.c;
         c = piece.a;
-        kept = (kept >> 1u) | ((kept & 1u) << 2u);
+        outer = outer.yzx;
     } else if edges == 4u || edges == 5u {
         a = piece.c;
         b = piece.a;
         c = piece.b;
-        kept = ((kept << 1u) & 7u) | (kept >> 2u);
+        outer = outer.zxy;
     }
     let level = ((piece.info >> 27u) & 15u) + 1u;
     let info = (piece.info & 0xffffffu) | (level << 27u) | select(0u, PART_FLAG, big);
-    let second = (kept & 2u) << 24u;
-    let third = (kept & 4u) << 24u;
-    let cuts = countOneBits(edges);
     let ab = dp_bisect(a, b);
+    let slant = piece.slant;
+    let lean = piece.lean;
+    if countOneBits(edges) == 1u {
+        push(Piece(a, ab, c, vec3<f32>(outer.x, inner, outer.z), slant, lean, info));
+        push(Piece(ab, b, c, vec3<f32>(outer.xy, inner), slant, lean, info));
+        return;
+    }
     let bc = dp_bisect(b, c);
+    push(Piece(ab, b, bc, vec3<f32>(outer.xy, inner), slant, lean, info));
+    if countOneBits(edges) == 2u {
+        push(Piece(a, ab, bc, vec3<f32>(outer.x, inner, inner), slant, lean, info));
+        push(Piece(a, bc, c, vec3<f32>(inner, outer.yz), slant, lean, info));
+        return;
+    }
     let ca = dp_bisect(c, a);
-    push(Piece(a, ab, select(select(bc, ca, cuts == 3u), c, cuts == 1u), info | select(0u, third, cuts == 1u)));
-    push(Piece(ab, b, select(bc, c, cuts == 1u), info | select(0u, second, cuts == 1u)));
-    if cuts >= 2u {
-        push(Piece(select(a, ca, cuts == 3u), bc, c, info | select(0u, third, cuts == 2u)));
-    }
-    if cuts == 3u {
-        push(Piece(ab, bc, ca, info));
-    }
+    push(Piece(a, ab, ca, vec3<f32>(outer.x, inner, outer.z), slant, lean, info));
+    push(Piece(ca, bc, c, vec3<f32>(inner, outer.yz), slant, lean, info));
+    push(Piece(ab, bc, ca, vec3<f32>(inner), slant, lean, info));
 }
 
 // Room for `count` pieces: where they go. Pieces from the capacity on have no room.
@@ -265,16 +321,15 @@ fn reserve(hemisphere: u32, count: u32) -> u32 {
     return base;
 }
 
-fn write_leaf(hemisphere: u32, place: u32, piece: Piece) {
+fn write_leaf(hemisphere: u32, place: u32, piece: Piece, shift: f32) {
     if place >= view.piece_capacity {
         mark_overflow(hemisphere, piece.info & 0x3fffffu);
         return;
     }
-    let at = 9u * (view.piece_capacity * hemisphere + place);
-    let values = corner_list(piece);
-    for (var i = 0u; i < 9u; i += 1u) {
-        pieces[at + i] = values[i];
-    }
+    let at = 3u * (view.piece_capacity * hemisphere + place);
+    pieces[at] = vec4<f32>(piece.a, shift);
+    pieces[at + 1u] = vec4<f32>(piece.b, shift);
+    pieces[at + 2u] = vec4<f32>(piece.c, shift);
 }
 
 // The whole triangle is drawn exactly, besides the pieces of it that had room.

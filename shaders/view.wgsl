@@ -10,7 +10,7 @@ struct View {
     // Texels per unit of map coordinates.
     texels: f32,
     position: vec3<f32>,
-    // Largest bend of a chord, in texels.
+    // How far a chord may bend at the outline of a triangle, in texels.
     tolerance: f32,
     // Texels across one map.
     resolution: f32,
@@ -24,7 +24,8 @@ struct View {
     list_capacity: u32,
     // Pieces that a hemisphere's part of the pieces has room for.
     piece_capacity: u32,
-    padding: u32,
+    // How far a chord may bend inside of a triangle, where its plane doesn't make it wrong.
+    longest_bend: f32,
 }
 
 // Arguments of the indirect draws, and the counters they come from. Index 0 is the front, 1 the back.
@@ -57,13 +58,11 @@ struct Arguments {
 }
 
 // An entry of the lists is three vertices. The upper bits of those that have to be split say:
-const VERTEX_MASK: u32 = 0x3fffffffu;
-// this edge (from this vertex to the next) is above the tolerance,
-const EDGE_FLAG: u32 = 0x80000000u;
+const VERTEX_MASK: u32 = 0x7fffffffu;
 // on the first vertex: some of the pieces found no room,
-const OVERFLOW_FLAG: u32 = 0x40000000u;
+const OVERFLOW_FLAG: u32 = 0x80000000u;
 // on the second and the third: pieces of positive or of negative area in the map face away and don't cast.
-const CULL_FLAG: u32 = 0x40000000u;
+const CULL_FLAG: u32 = 0x80000000u;
 
 // Rejecting what can't change the map; off only to prove that it can't.
 override REJECT: bool = true;
@@ -71,6 +70,10 @@ override REJECT: bool = true;
 // Room for the rasteriser's snapping to 1/256 texel, for its arithmetic, and for ours.
 fn raster_margin(view_resolution: f32) -> f32 {
     return 0.0078125 + view_resolution * 1e-6;
+}
+
+fn hemisphere_space(relative: vec3<f32>, hemisphere: u32) -> vec3<f32> {
+    return dp_to_hemisphere(light_space(relative), hemisphere == 1u);
 }
 
 fn light_space(relative: vec3<f32>) -> vec3<f32> {
@@ -84,11 +87,25 @@ fn project_corner(x: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(dp_project(x), select(w, -max(w, 1e-30), behind));
 }
 
-// Bit i: the edge from corner i to the next has to be split.
-fn edges_to_split(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> u32 {
-    return select(0u, 1u, dp_edge_needs_split(a, b, view.texels, view.tolerance))
-        | select(0u, 2u, dp_edge_needs_split(b, c, view.texels, view.tolerance))
-        | select(0u, 4u, dp_edge_needs_split(c, a, view.texels, view.tolerance));
+// Of the edges from each corner to the next, how far they may bend, in texels.
+fn edge_bends(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> vec3<f32> {
+    return vec3<f32>(
+        dp_edge_bend(a, b, view.texels),
+        dp_edge_bend(b, c, view.texels),
+        dp_edge_bend(c, a, view.texels),
+    );
+}
+
+// Of the edges of a triangle of hemisphere space, the sine of the angle to the axis: the share of the bend by which the edge
+// curves at most, and by which the depth of any plane through it may be off along its normal. At least a half, since very
+// long edges beside short ones make slivers.
+fn edge_slants(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
+    let e = b - a;
+    let f = c - b;
+    let g = a - c;
+    let across = vec3<f32>(dot(e.xy, e.xy), dot(f.xy, f.xy), dot(g.xy, g.xy));
+    let slants = sqrt(across / max(vec3<f32>(dot(e, e), dot(f, f), dot(g, g)), vec3<f32>(1e-36)));
+    return max(slants, vec3<f32>(0.5));
 }
 
 // Whether a triangle, given by its signed-w corners, is out of the hemisphere or in front of the near limit.

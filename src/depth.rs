@@ -12,7 +12,8 @@ const VIEWS: u64 = 4;
 
 #[derive(Debug)]
 pub(crate) struct Depth {
-    pipeline: wgpu::RenderPipeline,
+    whole: wgpu::RenderPipeline,
+    pieces: wgpu::RenderPipeline,
     exact: [wgpu::RenderPipeline; 2],
     exact_layout: wgpu::BindGroupLayout,
     views: wgpu::Buffer,
@@ -42,9 +43,11 @@ impl Depth {
         let views = gpu::buffer(device, "depth::views", u64::from(lights) * VIEWS * SLOT, usage);
         let size = size_of::<HemisphereView>() as u64;
         let group = gpu::bind_group(device, "depth", &layout, &[gpu::dynamic(&views, size)]);
+        let module = gpu::shader(device, "depth", crate::wgsl::depth());
         let exact_module = gpu::shader(device, "exact", crate::wgsl::exact());
         Self {
-            pipeline: depth_pipeline(device, &layout),
+            whole: depth_pipeline(device, &layout, &module, "depth", wgpu::VertexFormat::Float32x3),
+            pieces: depth_pipeline(device, &layout, &module, "depth_of_piece", wgpu::VertexFormat::Float32x4),
             exact: [0, 1].map(|hemisphere| exact_pipeline(device, &exact_layout, &exact_module, hemisphere)),
             exact_layout,
             views,
@@ -112,10 +115,11 @@ impl Depth {
         for back in backs {
             let b = u64::from(back);
             pass.set_viewport(size * back as f32, 0.0, size, size, 0.0, 1.0);
-            pass.set_pipeline(&self.pipeline);
+            pass.set_pipeline(&self.whole);
             pass.set_bind_group(0, &self.group, &[view(back, 0)]);
             pass.set_vertex_buffer(0, sources.positions.slice(..));
             pass.draw_indexed_indirect(sources.arguments, at + offset_of!(Arguments, whole) as u64 + 20 * b);
+            pass.set_pipeline(&self.pieces);
             pass.set_bind_group(0, &self.group, &[view(back, 1)]);
             pass.set_vertex_buffer(0, sources.pieces.slice(..));
             pass.draw_indirect(sources.arguments, at + offset_of!(Arguments, pieces) as u64 + 16 * b);
@@ -126,19 +130,24 @@ impl Depth {
     }
 }
 
-fn depth_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
-    let module = gpu::shader(device, "depth", crate::wgsl::depth());
+fn depth_pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    module: &wgpu::ShaderModule,
+    entry_point: &str,
+    vertex: wgpu::VertexFormat,
+) -> wgpu::RenderPipeline {
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("dual_paraboloid::depth"),
+        label: Some(entry_point),
         layout: Some(&gpu::pipeline_layout(device, "depth", layout)),
         vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("depth"),
+            module,
+            entry_point: Some(entry_point),
             compilation_options: Default::default(),
             buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: 12,
+                array_stride: vertex.size(),
                 step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+                attributes: &[wgpu::VertexAttribute { format: vertex, offset: 0, shader_location: 0 }],
             })],
         },
         primitive: wgpu::PrimitiveState::default(),

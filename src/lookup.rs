@@ -75,7 +75,7 @@ impl Lookup {
                 texels: shape.texels(),
                 position: light.position,
                 hemispheres: hemispheres(light.coverage),
-                tolerance: shape.tolerance,
+                tolerance: shape.depth_tolerance(),
                 padding: [0; 3],
             }
         });

@@ -20,13 +20,13 @@ macro_rules! mapping {
         use glam::{swizzles::*, $vec2, $vec3, $vec4};
 
         /// A vertex whose direction is farther than this from the hemisphere's axis, as the cosine of the
-        /// angle (120 degrees), can't belong to a triangle that touches the disc, since no drawn edge spans
-        /// 20 degrees and the guard band ends before 98 degrees.
+        /// angle (120 degrees), can't belong to a triangle that touches the disc, since no drawn edge is
+        /// longer than [`LONGEST_EDGE`] and the guard band ends before 98 degrees.
         pub const BEHIND: $float = -0.5;
 
-        /// The square of the sine of half the widest angle that an edge may span without being split
-        /// (16 degrees): keeps triangles around the axis behind the hemisphere out of the map.
-        pub const EDGE_SINE_SQUARED: $float = 0.01937;
+        /// The longest edge, in map coordinates, that is ever drawn without being split (20 degrees on the axis, 10 at
+        /// the rim), however little it bends: keeps triangles around the axis behind out of the map.
+        pub const LONGEST_EDGE: $float = 0.17;
 
         /// Light space to hemisphere space and back: the identity for the front, half a turn about Y for
         /// the back.
@@ -145,26 +145,24 @@ macro_rules! mapping {
             0.25 * chord * chord * curvature / (1.0 + (1.0 - half * half).max(0.0).sqrt())
         }
 
-        /// Whether the edge between two map coordinates has to be split before the hardware may draw its
-        /// chord: its *bend* `c^2/8` is above `tolerance` texels, or it spans more than 16 degrees.
+        /// How far the edge between two map coordinates may bend from its chord, in texels: `c^2/8` for a chord of
+        /// length `c`, which is about the [`sagitta`] of an edge as curved as edges get. `texels` is the number of
+        /// texels per unit of map coordinates, `R / (2 (1 + g))`.
         ///
-        /// The bend bounds two errors at once. A chord misses its arc by at most the bend ([`sagitta`]), and
-        /// depth that is interpolated over a triangle of such edges is off its plane by at most 4/3 of it in
-        /// texel footprints along the normal, since `1/w` interpolated less `1/w` exact is
+        /// It bounds two errors at once. A chord misses its arc by at most the bend, and depth that is interpolated
+        /// over a triangle of such edges is off its plane by at most `4/3 |N.z|` of it in texel footprints along the
+        /// plane's unit normal `N`, since `1/w` interpolated less `1/w` exact is
         /// `N.z/(2 D) (|p|^2 - sum b_i |p_i|^2)`.
         ///
-        /// `texels` is the number of texels per unit of map coordinates, `R / (2 (1 + g))`. Only the two
-        /// ends count, and their order doesn't, so triangles that share an edge agree.
+        /// Only the two ends count, and their order doesn't, so triangles that share an edge agree.
         #[must_use]
-        pub fn edge_needs_split(a: $vec2, b: $vec2, texels: $float, tolerance: $float) -> bool {
+        pub fn edge_bend(a: $vec2, b: $vec2, texels: $float) -> $float {
             let d = b - a;
-            let chord_squared = d.dot(d);
-            0.125 * chord_squared * texels > tolerance
-                || chord_squared > EDGE_SINE_SQUARED * (1.0 + a.dot(a)) * (1.0 + b.dot(b))
+            0.125 * texels * d.dot(d)
         }
 
         /// The angle, in radians, that an edge may span anywhere in the disc without being split for its
-        /// bend; `texels` and `tolerance` as for [`edge_needs_split`]. An underestimate except at the rim.
+        /// [bend](edge_bend); `tolerance` in texels, `texels` per unit of map coordinates. An underestimate except at the rim.
         #[must_use]
         pub fn angle_limit(texels: $float, tolerance: $float) -> $float {
             (8.0 * tolerance / texels).sqrt().min(2.0)

@@ -31,7 +31,7 @@ pub struct PointShadowsDescriptor {
 impl Default for PointShadowsDescriptor {
     /// Four lights of 1024 texels across, to a twentieth of a texel, with a guard band of four texels.
     fn default() -> Self {
-        Self { capacity: 4, resolution: 1024, tolerance: 0.05, guard: 4.0 }
+        Self { capacity: 4, resolution: 1024, tolerance: 0.1, guard: 4.0 }
     }
 }
 
@@ -371,10 +371,11 @@ impl PointShadows {
         (&self.arguments, self.jobs)
     }
 
-    /// How far a drawn edge or surface may be off, see [`PointShadowsDescriptor::tolerance`].
+    /// How far depth may be off along a surface's normal, in texel footprints: half the
+    /// [tolerance](PointShadowsDescriptor::tolerance), and a part of the lookup's bias.
     #[must_use]
-    pub fn tolerance(&self) -> f32 {
-        self.shape.tolerance
+    pub fn depth_tolerance(&self) -> f32 {
+        self.shape.depth_tolerance()
     }
 
     /// Bytes on the GPU: the maps, and the lists that the lights share.

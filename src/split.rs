@@ -16,11 +16,11 @@ const SOFTWARE_THREADS: f64 = 8.0;
 /// of an invocation.
 const SOFTWARE_GROUPS: u32 = 128;
 
-/// Bytes of a piece: three corners.
-const PIECE_SIZE: u64 = 36;
+/// Bytes of a piece: three corners and, with each, a depth shift.
+const PIECE_SIZE: u64 = 48;
 
 /// Bytes of a part of a big triangle: three corners and what is known of it.
-const PART_SIZE: u64 = 40;
+const PART_SIZE: u64 = 60;
 
 /// Parts per hemisphere; twin of the constant in the shader.
 const PART_CAPACITY: u32 = 16_384;

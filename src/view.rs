@@ -15,7 +15,7 @@ pub(crate) struct MapShape {
     pub(crate) resolution: u32,
     /// Half the map's width in map coordinates, `1 + g`.
     pub(crate) half_width: f32,
-    /// Largest bend of a chord, in texels.
+    /// How far a chord may bend at a triangle's outline, in texels.
     pub(crate) tolerance: f32,
 }
 
@@ -24,7 +24,13 @@ impl MapShape {
     pub(crate) fn new(resolution: u32, guard: f32, tolerance: f32) -> Self {
         let size = resolution as f32;
         let guard = guard.min(size / 16.0);
-        Self { resolution, half_width: size / (size - 2.0 * guard), tolerance }
+        let unbounded = Self { resolution, half_width: size / (size - 2.0 * guard), tolerance };
+        Self { tolerance: tolerance.min(unbounded.longest_bend()), ..unbounded }
+    }
+
+    /// Bend of the longest edge that is ever drawn, in texels.
+    fn longest_bend(&self) -> f32 {
+        0.125 * self.texels() * paraboloid::LONGEST_EDGE * paraboloid::LONGEST_EDGE
     }
 
     /// Texels per unit of map coordinates.
@@ -32,10 +38,15 @@ impl MapShape {
         0.5 * self.resolution as f32 / self.half_width
     }
 
+    /// How far depth that is interpolated over what is drawn may be off along a surface's normal, in texel footprints.
+    pub(crate) fn depth_tolerance(&self) -> f32 {
+        0.5 * self.tolerance
+    }
+
     /// Cosine of the angle behind which nothing can touch the map: a texel and a half outside, so that chords of
     /// what is drawn don't open the rim.
     fn behind(&self) -> f32 {
-        let r = self.half_width + 1.5 / self.texels();
+        let r = self.half_width + (1.5 + self.longest_bend()) / self.texels();
         ((1.0 - r * r) / (1.0 + r * r)).max(paraboloid::BEHIND)
     }
 }
@@ -59,7 +70,7 @@ pub(crate) struct View {
     end_chunk: u32,
     list_capacity: u32,
     piece_capacity: u32,
-    padding: u32,
+    longest_bend: f32,
 }
 
 /// Light space's axes in world space: the rows of the rotation from world to light space.
@@ -101,7 +112,7 @@ impl View {
             end_chunk: chunks.end,
             list_capacity: room.triangles,
             piece_capacity: room.pieces,
-            padding: 0,
+            longest_bend: shape.longest_bend(),
         }
     }
 }

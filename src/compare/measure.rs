@@ -109,7 +109,7 @@ impl Made {
     #[must_use]
     pub fn figures(&self, gpu: &Gpu, truth: &Truth) -> Figures {
         let geometry = self.geometry();
-        let (ideal, ideal_error) = truth.ideal(geometry, f64::from(self.shadows.tolerance()));
+        let (ideal, ideal_error) = truth.ideal(geometry, f64::from(self.shadows.depth_tolerance()));
         let stored = gpu.read_map(&self.shadows, self.light);
         let values = gpu.shadow_values(&self.shadows, self.light, &truth.inputs());
         Figures {

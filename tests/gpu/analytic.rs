@@ -8,7 +8,7 @@ use std::f32::consts::FRAC_PI_2;
 const RESOLUTIONS: [u32; 6] = [64, 128, 256, 512, 1024, 2048];
 
 /// What an edge may miss its place by, in texels, and a surface its depth, in footprints along its normal.
-const TOLERANCE: f64 = 0.05 * (1.0 + 4.0 / 3.0);
+const TOLERANCE: f64 = 0.1 * (1.0 + 4.0 / 3.0);
 
 /// Direction of a texel in world space.
 fn direction(texel: &Texel, light: &PointLight) -> DVec3 {

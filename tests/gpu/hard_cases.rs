@@ -15,7 +15,7 @@ use rand_pcg::Pcg64;
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 const RESOLUTION: u32 = 256;
-const SAMPLES: usize = 30_000;
+const SAMPLES: usize = 100_000;
 /// What the library may add to the floor.
 const RATIO: f64 = 1.05;
 /// Wrong answers far from every boundary that the library may add, in parts per million.

@@ -115,16 +115,16 @@ fn shader_and_rust_agree_on_map_coordinates() {
         if (a - b).xy().length() < 0.01 || curvature < 0.01 { f32::NAN } else { curvature }
     });
     // A decision may differ where the values compared differ by rounding, and only there.
-    let decisions = evaluate("f32(dp_edge_needs_split(position.xy, normal.xy, 500.0, 0.5))", &inputs);
+    let decisions = evaluate("f32(dp_edge_bend(position.xy, normal.xy, 500.0) > 0.5)", &inputs);
     let (mut split, mut differing) = (0, 0);
     for ((a, b), decision) in inputs.iter().zip(decisions) {
-        let expected = single::edge_needs_split(a.xy(), b.xy(), 500.0, 0.5);
+        let expected = single::edge_bend(a.xy(), b.xy(), 500.0) > 0.5;
         split += usize::from(expected);
         if (decision == 1.0) != expected {
             differing += 1;
             let (low, high) = (0.4999, 0.5001);
-            let sure = single::edge_needs_split(a.xy(), b.xy(), 500.0, low)
-                == single::edge_needs_split(a.xy(), b.xy(), 500.0, high);
+            let sure = (single::edge_bend(a.xy(), b.xy(), 500.0) > low)
+                == (single::edge_bend(a.xy(), b.xy(), 500.0) > high);
             assert!(!sure, "the edge from {a} to {b} is decided differently");
         }
     }

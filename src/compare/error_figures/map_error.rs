@@ -19,6 +19,10 @@ use crate::paraboloid::double as paraboloid;
 /// by a quarter of a texel more.
 pub const SURFACE_TOLERANCE: f64 = 1.0;
 
+/// A silhouette is where the true surface steps by more than this, measured likewise: a little less than what makes
+/// another surface, since the error of the interpolated depth may come on top of the step.
+const STEP: f64 = 0.75 * SURFACE_TOLERANCE;
+
 /// Distance between the rays that look for a silhouette, in texels along a spoke.
 const SILHOUETTE_STEP: f64 = 0.125;
 /// Rays of each ring around a texel that look for a silhouette.
@@ -49,8 +53,8 @@ pub struct MapError {
     /// Largest of the same.
     pub depth_error_max: f64,
     /// Wrong surfaces, holes and phantoms farther than one texel from every silhouette: from every place where the
-    /// true surface steps by more than [`SURFACE_TOLERANCE`] between rays an eighth of a texel apart. Silhouettes are
-    /// looked for by rays, which can miss a thin one, so this is never too low.
+    /// true surface steps by more than three quarters of [`SURFACE_TOLERANCE`] between rays an eighth of a texel
+    /// apart. Silhouettes are looked for by rays, which can miss a thin one, so this is never too low.
     #[serde(skip)]
     pub strays: usize,
     /// Largest distance from a wrong surface, hole or phantom to a silhouette, in texels; infinite when one is 2
@@ -237,7 +241,7 @@ impl SilhouetteSearch<'_> {
     /// Whether what a ray meets is off another triangle's plane.
     fn is_off(&self, ray: &Ray, hit: Hit, triangle: u32) -> bool {
         let height = self.reference.height(ray.direction * hit.t, triangle).abs();
-        height > SURFACE_TOLERANCE * ray.texel_angle * hit.t
+        height > STEP * ray.texel_angle * hit.t
     }
 }
 

@@ -56,7 +56,7 @@ pub fn judge(
     };
     let guard = f64::from(shadows.half_width()) - 1.0;
     let geometry = MapGeometry { resolution: shadows.maps().height(), guard };
-    let (map, error) = truth.ideal(geometry, f64::from(shadows.tolerance()));
+    let (map, error) = truth.ideal(geometry, f64::from(shadows.depth_tolerance()));
     let stored: Vec<f32> = gpu.read_texture(baseline.map(), 0);
     Ok(Some(Judged {
         map: Some(map_error(&stored, &map, &truth.reference, &truth.view)),
