@@ -19,8 +19,6 @@
 @group(0) @binding(5) var<storage, read_write> parts: array<Stacked>;
 
 override COARSE: bool = true;
-const CAP: f32 = 1.0;
-const SHAPE: f32 = 0.15;
 
 override THREADS: u32 = 64u;
 const STACK: u32 = 264u;
@@ -31,6 +29,13 @@ const MOST_LEVELS: u32 = 15u;
 const RESERVE: u32 = 3u * MOST_LEVELS;
 // A piece is big if an edge has more than this many times the tolerable bend: it makes some dozens of pieces or more.
 const BIG: f32 = 64.0;
+// Chords inside of a triangle must not cross its outline, which is cut finely: near a corner they stay inside if they bend by
+// less than this share of the sine of the angle there, times the length of the outline's chords.
+const SHAPE: f32 = 0.15;
+// A piece is shifted wholly if its height in the map is so many times its bend; where it is thinner, what the shift is
+// computed from lies outside of the piece. Away from the light that hardly matters, toward it that would be acne.
+const THICK_AWAY: f32 = 2.0;
+const THICK_TOWARD: f32 = 30.0;
 // Parts that a hemisphere has room for; what finds none is cut where it is.
 const PART_CAPACITY: u32 = 16384u;
 
@@ -209,7 +214,7 @@ fn cut(piece: Piece, hemisphere: u32, shift: ptr<function, f32>) -> bool {
     let edges = cuts.x | cuts.y | cuts.z;
     if edges == 0u || level == MOST_LEVELS {
         let cull = select(0.0, 1.0, (piece.info & (1u << 22u)) != 0u) - select(0.0, 1.0, (piece.info & (2u << 22u)) != 0u);
-        *shift = depth_shift(piece.lean, a, b, c);
+        *shift = depth_shift(piece, a, b, c);
         return !(is_culled(a.xy, b.xy, c.xy, cull) || (REJECT && is_between_texels(a.xy, b.xy, c.xy)));
     }
     let big = COARSE && max(excess.x, max(excess.y, excess.z)) > BIG;
@@ -252,10 +257,11 @@ fn edge_excess(bends: vec3<f32>, outline: vec3<f32>, inner: vec3<f32>) -> vec3<f
     return bends / limits;
 }
 
-// What is added to 1/w of a piece, so that depth is off to both sides of its plane alike. Interpolated linearly, 1/w is
-// off by N.z/(2 D) times |p|^2 less its own interpolation, which is 0 at the corners and goes as far as the circle
-// through them.
-fn depth_shift(lean: f32, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {
+// What is added to 1/w of a piece. Interpolated linearly, 1/w is off by N.z/(2 D) times |p|^2 less its own interpolation,
+// which is 0 at the corners and goes as far as the circle through them: all to one side, which the sign of N.z/D says.
+// Where that is toward the light, it is taken back, so that it makes no acne. Where it is away, it is moved toward the
+// light by half, or by half of what the lookup's bias covers, so that less light leaks.
+fn depth_shift(piece: Piece, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {
     let e = b.xy - a.xy;
     let f = c.xy - b.xy;
     let g = a.xy - c.xy;
@@ -267,8 +273,10 @@ fn depth_shift(lean: f32, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {
     let obtuse = 2.0 * longest >= squares.x + squares.y + squares.z;
     let farthest = select(min(circle, longest / 3.0), 0.25 * longest, obtuse);
     let limit = 0.25 / max(abs(a.z), max(abs(b.z), abs(c.z)));
-    let thin = clamp(height_of(a.xy, b.xy, c.xy) / (CAP * 0.125 * longest), 0.0, 1.0);
-    return clamp(min(0.5 * lean, 0.0) * farthest * thin, -limit, 0.0);
+    let thin = clamp(height_of(a.xy, b.xy, c.xy) / (select(THICK_AWAY, THICK_TOWARD, piece.lean > 0.0) * 0.125 * longest), 0.0, 1.0);
+    let toward = min(0.5 * farthest, 0.5 * view.tolerance / (view.texels * max(piece.slant, 1e-6)));
+    let shift = 0.5 * piece.lean * select(farthest, toward, piece.lean > 0.0) * thin;
+    return clamp(shift, -limit, limit);
 }
 
 fn push_parts(piece: Piece, edges: u32, big: bool, inner: f32) {

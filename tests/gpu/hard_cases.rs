@@ -398,7 +398,7 @@ proptest! {
     ) {
         let scene = scene(objects.into_iter().chain(walls.then(|| room(8.0))));
         let light = turned(light_for(&scene, position.into()), Quat::from_scaled_axis(turn.into()));
-        let figures = figures(&scene, light, 8000);
+        let figures = figures(&scene, light, 50_000);
         let complaint = complaint(&figures);
         prop_assert!(complaint.is_none(), "{complaint:?}: {figures:#?}");
     }
