@@ -8,7 +8,7 @@ use clap::Parser;
 use dual_paraboloid::compare::baselines::{Baseline, DeviceScene, Lookup, Method};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Judged, Truth, choose_light, find_scene, judge};
-use dual_paraboloid::compare::scene::{Scene, scenes_dir};
+use dual_paraboloid::compare::scene::{Scene, scene_files, scenes_dir};
 use dual_paraboloid::{PointLight, Sides};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -88,18 +88,13 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// The hall and every file, by name, that holds one of `wanted`; all if there is none.
 fn scene_names(wanted: &[String]) -> anyhow::Result<Vec<String>> {
-    let mut names = Vec::new();
+    let mut names = vec!["hall".to_owned()];
     match scenes_dir() {
         None => eprintln!("report: no folder of scenes, so only the hall: name one in DP_SCENES"),
         Some(folder) => {
-            let entries = std::fs::read_dir(&folder).map_err(|error| anyhow!("{}: {error}", folder.display()))?;
-            let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-            let scenes = paths.filter(|path| path.extension().is_some_and(|it| it == "glb" || it == "gltf"));
-            names.extend(scenes.map(|path| path.to_string_lossy().into_owned()));
+            names.extend(scene_files(&folder)?.into_iter().map(|path| path.to_string_lossy().into_owned()));
         }
     }
-    names.sort();
-    names.insert(0, "hall".to_owned());
     names.retain(|name| {
         let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
         wanted.is_empty() || wanted.iter().any(|part| file.contains(part))

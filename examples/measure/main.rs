@@ -15,9 +15,10 @@ use dual_paraboloid::Sides;
 use dual_paraboloid::compare::baselines::DeviceScene;
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Truth, choose_light, find_scene};
-use dual_paraboloid::compare::timing::{Clock, Timer};
+use dual_paraboloid::compare::table::grouped;
+use dual_paraboloid::compare::timing::Timer;
 use indicatif::{ProgressBar, ProgressStyle};
-use report::{Common, grouped};
+use report::Common;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -50,12 +51,8 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
             .map_err(|error| anyhow!("can't make the folder {}: {error}", folder.display()))?;
     }
     let timer = Timer::new(&gpu);
-    let clock = match timer.clock() {
-        Clock::Timestamps => "timestamps of the GPU",
-        Clock::Wall => "wall time from submitting to idle",
-    };
     let at = light.position;
-    println!("adapter    {} (times: {clock})", gpu.name());
+    println!("adapter    {} (times: {})", gpu.name(), timer.clock());
     println!("scene      {}: {} triangles", scene.name, grouped(scene.triangle_count()));
     println!("light      at {},{},{}, range {:.4}, near {:.3e} ({choice})", at.x, at.y, at.z, light.range, light.near);
 

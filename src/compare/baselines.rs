@@ -45,11 +45,11 @@ impl DeviceScene {
     /// all methods.
     ///
     /// # Errors
-    /// Whatever [`fill`] returns.
+    /// Whatever [`fill`] and [`SceneBuffers::new`] return.
     pub fn new(device: &wgpu::Device, scene: &Scene, sides: Sides) -> Result<Self, Error> {
         let mut chunked = Casters::new(device);
         fill(&mut chunked, scene, sides)?;
-        Ok(Self { instanced: SceneBuffers::new(device, scene, sides == Sides::Front), chunked })
+        Ok(Self { instanced: SceneBuffers::new(device, scene, sides == Sides::Front)?, chunked })
     }
 }
 

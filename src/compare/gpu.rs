@@ -78,6 +78,20 @@ impl Gpu {
         self.queue.submit([encoder.finish()]);
     }
 
+    /// Does something that may ask for more than the device has, and returns the device's first complaint, if any.
+    ///
+    /// # Errors
+    /// What the device said; what was made is then of no use.
+    pub fn attempt<T>(&self, attempt: impl FnOnce() -> T) -> Result<T, wgpu::Error> {
+        let filters = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory];
+        let scopes = filters.map(|filter| self.device.push_error_scope(filter));
+        let made = attempt();
+        self.wait();
+        // The last one pushed goes first: a lack of memory is the cause of other complaints.
+        let complaints: Vec<_> = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop())).collect();
+        complaints.into_iter().next().map_or(Ok(made), Err)
+    }
+
     /// Waits until the device has done everything submitted.
     pub fn wait(&self) {
         // A device that is lost has nothing left to wait for.

@@ -30,11 +30,8 @@ pub struct Judged {
     pub stored: Vec<f32>,
 }
 
-/// Records a method's map and judges what the lookup answers. `None` for a lookup that doesn't read the map.
-///
-/// The vertex warp gets the bias of [`BIASES`] with the fewest wrong answers, and keeps it. The cubes keep the bias they
-/// have. Wrong answers of a cube are far from a boundary by the texels of the pair with as many texels
-/// ([`pair_of_equal_texels`]).
+/// Records a method's map and judges what the lookup answers, as [`answers`] has it. Wrong answers of a cube are far
+/// from a boundary by the texels of the pair with as many texels ([`pair_of_equal_texels`]).
 ///
 /// # Errors
 /// [`Error::InvalidLight`].
@@ -46,10 +43,7 @@ pub fn judge(
     light: &PointLight,
     truth: &Truth,
 ) -> Result<Option<Judged>, Error> {
-    let mut trial = Trial { gpu, baseline, lookup, scene, light, truth, inputs: truth.inputs() };
-    let bias = if lookup == Lookup::VertexWarp { trial.find_bias()? } else { None };
-    let Some(values) = trial.answers()? else { return Ok(None) };
-    let baseline = trial.baseline;
+    let Some(Answers { values, bias }) = answers(gpu, baseline, lookup, scene, light, truth)? else { return Ok(None) };
     let Some(shadows) = baseline.shadows() else {
         let shadow = truth.judge(&values, &pair_of_equal_texels(baseline.texels()));
         return Ok(Some(Judged { map: None, shadow, ideal: None, bias, stored: Vec::new() }));
@@ -71,6 +65,32 @@ pub fn judge(
 #[must_use]
 pub fn pair_of_equal_texels(texels: u64) -> MapGeometry {
     MapGeometry { resolution: ((texels as f64 / 2.0).sqrt().round() as u32).max(1), guard: 0.0 }
+}
+
+/// What a lookup answered at a truth's receivers.
+pub struct Answers {
+    /// From 0 (dark) to 1 (lit), one a receiver.
+    pub values: Vec<f32>,
+    /// The bias that was the best of [`BIASES`], in world units; the vertex warp's alone.
+    pub bias: Option<f32>,
+}
+
+/// Records a method's map and asks the lookup. `None` for a lookup that doesn't read the map. The vertex warp gets
+/// the bias of [`BIASES`] with the fewest wrong answers, and keeps it; the cubes keep the bias they have.
+///
+/// # Errors
+/// [`Error::InvalidLight`].
+pub fn answers(
+    gpu: &Gpu,
+    baseline: &mut Baseline,
+    lookup: Lookup,
+    scene: &mut DeviceScene,
+    light: &PointLight,
+    truth: &Truth,
+) -> Result<Option<Answers>, Error> {
+    let mut trial = Trial { gpu, baseline, lookup, scene, light, truth, inputs: truth.inputs() };
+    let bias = if lookup == Lookup::VertexWarp { trial.find_bias()? } else { None };
+    Ok(trial.answers()?.map(|values| Answers { values, bias }))
 }
 
 struct Trial<'a> {
@@ -99,12 +119,12 @@ impl Trial<'_> {
     fn find_bias(&mut self) -> Result<Option<f32>, Error> {
         let distances = self.inputs.iter().map(|(position, _)| position.distance(self.light.position));
         let reach = distances.fold(0.0, f32::max);
-        let mut best: Option<(usize, f32)> = None;
+        let mut best: Option<(f64, f32)> = None;
         for share in BIASES {
             let depth = share * reach;
             self.baseline.set_bias(ConstantBias { depth, normal: 0.0 });
             let Some(values) = self.answers()? else { return Ok(None) };
-            let wrong = values.iter().zip(&self.truth.lit).filter(|&(&value, &lit)| (value >= 0.5) != lit).count();
+            let wrong = self.truth.wrong_ppm(&values);
             if best.is_none_or(|(least, _)| wrong < least) {
                 best = Some((wrong, depth));
             }
