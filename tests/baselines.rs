@@ -4,8 +4,10 @@ use dual_paraboloid::compare::baselines::{
     Baseline, BaselineError, Budget, ConstantBias, CubeMultiview, DeviceScene, Lookup, Method,
 };
 use dual_paraboloid::compare::gpu::Gpu;
+use dual_paraboloid::compare::lookup_cost::{LookupBench, Question};
 use dual_paraboloid::compare::procedural::{self, shapes};
 use dual_paraboloid::compare::scene::{Material, Scene, SceneInstance, SceneMesh};
+use dual_paraboloid::compare::shot::Shot;
 use dual_paraboloid::compare::timing::{Rounds, Timer};
 use dual_paraboloid::{PointLight, Sides};
 use glam::{Affine3A, Quat, Vec3};
@@ -407,5 +409,27 @@ fn timing_takes_turns() {
     for time in times {
         assert!(time.gpu.min <= time.gpu.median && time.gpu.median <= time.gpu.max);
         assert!(time.cpu.min <= time.cpu.median && time.cpu.median <= time.cpu.max);
+    }
+}
+
+#[test]
+fn screen_passes_answer_as_the_lookups_do() {
+    let scene = procedural::few_large();
+    let light = PointLight { position: Vec3::new(0.0, 4.0, 0.0), range: 40.0, ..Default::default() };
+    let shot = Shot::take(&scene, &scene.suggest_camera(light.position), 96, 54);
+    let bench = LookupBench::new(gpu(), &scene, &light, &shot, 128).unwrap();
+    let own = bench.answers(Question::Lookup(Lookup::Paraboloid));
+    assert!(own.contains(&0.0) && own.contains(&1.0));
+    // The same four texels, loaded one by one: weights and references differ by rounding.
+    let loaded = bench.answers(Question::Texels(2));
+    assert!(own.iter().zip(&loaded).filter(|(a, b)| (*a - *b).abs() > 1e-3).count() <= own.len() / 1000);
+    let differing = |other: Question| {
+        let other = bench.answers(other);
+        assert!(other.iter().all(|share| (0.0..=1.0 + 1e-6).contains(share)));
+        own.iter().zip(&other).filter(|(a, b)| (**a >= 0.5) != (**b >= 0.5)).count()
+    };
+    // Filters of other widths agree but near boundaries, and so does the cube.
+    for question in [Question::Texels(1), Question::Texels(3), Question::Lookup(Lookup::CubePlane)] {
+        assert!(differing(question) < own.len() / 10, "{}", question.name());
     }
 }

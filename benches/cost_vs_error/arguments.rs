@@ -15,8 +15,9 @@ pub struct Arguments {
     /// files, or parts of the names of files in `DP_SCENES`. Without it, those of the comparison and all files
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub scenes: Vec<String>,
-    /// Texels across each map of the pair, separated by commas; cubes are as wide, and have as many texels
-    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..), default_values_t = [256, 512, 1024, 2048])]
+    /// Texels across each map of the pair, separated by commas; 256, 512, 1024 and 2048 without it. There are cubes
+    /// as wide, and cubes with as many texels in all
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     pub resolution: Vec<u32>,
     /// Methods, separated by commas; all without it
     #[arg(long, value_name = "METHOD", value_delimiter = ',', default_values_t = Method::ALL)]
@@ -54,19 +55,19 @@ pub struct Arguments {
 const PROCEDURAL: [&str; 7] = ["few-large", "many-small", "long-hall", "hall", "dense-1m", "dense-4m", "dense-17m"];
 
 impl Arguments {
-    /// The command line, with what `--quick` puts in its place.
+    /// The command line, filled in.
     pub fn read() -> Self {
-        let arguments = Self::parse();
+        let mut arguments = Self::parse();
+        if arguments.resolution.is_empty() {
+            arguments.resolution = if arguments.quick { vec![32, 64] } else { vec![256, 512, 1024, 2048] };
+        }
         if !arguments.quick {
             return arguments;
         }
-        Self {
-            scenes: ["few-large", "many-small-20"].map(str::to_owned).to_vec(),
-            resolution: vec![32, 64],
-            samples: 500,
-            runs: 1,
-            ..arguments
+        if arguments.scenes.is_empty() {
+            arguments.scenes = ["few-large", "many-small-20"].map(str::to_owned).to_vec();
         }
+        Self { samples: 500, runs: 1, ..arguments }
     }
 
     /// The names of the scenes, for [`find_scene`](dual_paraboloid::compare::measure::find_scene).

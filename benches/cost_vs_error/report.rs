@@ -106,8 +106,8 @@ fn scenes(figures: &Figures, rule: Rule) -> Table {
     head.extend(SHOWN.map(|(_, name)| name));
     head.extend(["this / cube", "equal error: constant", "plane", "wrong: this", "constant", "plane", "warp"]);
     let mut table = Table::new(&head);
-    let equal = [Lookup::CubeHardware, Lookup::CubePlane]
-        .map(|lookup| Ratios::at_equal_error(&scenes, Method::Cube, lookup));
+    let equal =
+        [Lookup::CubeHardware, Lookup::CubePlane].map(|lookup| Ratios::at_equal_error(&scenes, Method::Cube, lookup));
     for costs in &scenes {
         let find = |method| costs.find(method, Budget::EqualTexels, figures.main);
         let wrong = |method, lookup| or_dash(find(method).and_then(|cost| cost.wrong_ppm(lookup)).map(ppm));
@@ -139,7 +139,20 @@ fn stages(figures: &Figures, rule: Rule) -> Table {
 
 fn every_cost(costs: &SceneCosts) -> Table {
     let mut table = Table::new(&[
-        "method", "equal", "R", "side", "texels", "MB", "GPU ms", "min", "max", "CPU ms", "min", "max", "runs", "wrong",
+        "method",
+        "equal",
+        "R",
+        "side",
+        "texels",
+        "MB",
+        "GPU ms",
+        "min",
+        "max",
+        "CPU ms",
+        "min",
+        "max",
+        "runs",
+        "wrong",
         "plane bias",
     ]);
     for cost in &costs.costs {

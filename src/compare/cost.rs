@@ -156,9 +156,8 @@ impl SceneCosts {
     /// A method's figures at one size. The budget matters for cubes alone.
     #[must_use]
     pub fn find(&self, method: Method, budget: Budget, pair: u32) -> Option<&Cost> {
-        let fits = |cost: &&Cost| {
-            cost.method == method && cost.pair == pair && (cost.budget == budget || !method.is_cube())
-        };
+        let fits =
+            |cost: &&Cost| cost.method == method && cost.pair == pair && (cost.budget == budget || !method.is_cube());
         self.costs.iter().find(fits)
     }
 

@@ -11,10 +11,12 @@ pub mod error_figures;
 mod fill;
 pub mod gpu;
 pub mod ideal;
+pub mod lookup_cost;
 pub mod measure;
 pub mod procedural;
 pub mod reference;
 pub mod scene;
+pub mod shot;
 pub mod table;
 #[cfg(test)]
 mod test_shapes;

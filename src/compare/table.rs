@@ -72,7 +72,12 @@ mod tests {
         assert!(table.is_empty());
         table.row(["hall".to_owned(), "1.25".to_owned()]);
         table.row(["the long hall".to_owned()]);
-        let lines = ["| scene         |   ms |", "| ------------- | ---: |", "| hall          | 1.25 |", "| the long hall |      |"];
+        let lines = [
+            "| scene         |   ms |",
+            "| ------------- | ---: |",
+            "| hall          | 1.25 |",
+            "| the long hall |      |",
+        ];
         assert_eq!(table.to_string().lines().collect::<Vec<_>>(), lines);
     }
 

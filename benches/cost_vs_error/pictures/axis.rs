@@ -51,8 +51,11 @@ impl Ranged for Axis {
 
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
         let Range { start, end } = self.range;
-        let share =
-            if self.is_logarithmic { (value / start).ln() / (end / start).ln() } else { (value - start) / (end - start) };
+        let share = if self.is_logarithmic {
+            (value / start).ln() / (end / start).ln()
+        } else {
+            (value - start) / (end - start)
+        };
         limit.0 + (share * f64::from(limit.1 - limit.0)).round() as i32
     }
 

@@ -76,6 +76,7 @@ const LETTER: i32 = 8;
 pub enum Mark {
     Line(u32),
     Bar,
+    Tick,
     Ring,
 }
 
@@ -97,6 +98,9 @@ pub fn legend<DB: DrawingBackend>(
                 area.draw(&Circle::new((x + 12, y), 3, color.filled()))?;
             }
             Mark::Bar => area.draw(&Rectangle::new([(x + 4, y - 5), (x + 20, y + 6)], color.filled()))?,
+            Mark::Tick => {
+                area.draw(&PathElement::new(vec![(x + 12, y - 8), (x + 12, y + 8)], color.stroke_width(3)))?
+            }
             Mark::Ring => area.draw(&Circle::new((x + 12, y), 6, color.stroke_width(1)))?,
         }
         let style = ("sans-serif", 15).into_font().color(&INK);

@@ -23,7 +23,7 @@ pub fn size(scenes: usize) -> (u32, u32) {
 pub fn draw(area: &Area, figures: &Figures, scenes: &[&SceneCosts]) -> anyhow::Result<()> {
     let (head, body) = area.split_vertically(36);
     let bars = STAGES.map(|(name, color)| (name, color, Mark::Bar));
-    let entries: Vec<_> = bars.into_iter().chain([(CUBE_MARK.0, CUBE_MARK.1, Mark::Line(3))]).collect();
+    let entries: Vec<_> = bars.into_iter().chain([(CUBE_MARK.0, CUBE_MARK.1, Mark::Tick)]).collect();
     legend(&head.margin(0, 0, 16, 16), &entries)?;
     let rows: Vec<Row> = scenes.iter().map(|costs| Row::new(figures, costs)).collect();
     let longest = rows.iter().map(Row::end).fold(0.0, f64::max);
@@ -47,10 +47,12 @@ pub fn draw(area: &Area, figures: &Figures, scenes: &[&SceneCosts]) -> anyhow::R
     for (place, row) in rows.iter().rev().enumerate() {
         let y = place as f64 + 0.5;
         let bars = row.bars().into_iter().zip(STAGES);
-        chart.draw_series(bars.map(|((from, to), (_, color))| {
-            Rectangle::new([(from, y - 0.3), (to, y + 0.3)], color.filled())
-        }))?;
-        let mark = row.cube.map(|time| PathElement::new(vec![(time, y - 0.42), (time, y + 0.42)], CUBE_MARK.1.stroke_width(3)));
+        chart.draw_series(
+            bars.map(|((from, to), (_, color))| Rectangle::new([(from, y - 0.3), (to, y + 0.3)], color.filled())),
+        )?;
+        let mark = row
+            .cube
+            .map(|time| PathElement::new(vec![(time, y - 0.42), (time, y + 0.42)], CUBE_MARK.1.stroke_width(3)));
         chart.draw_series(mark)?;
     }
     Ok(())
