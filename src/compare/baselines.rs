@@ -29,6 +29,7 @@ use super::gpu::{Gpu, evaluation};
 use super::scene::Scene;
 use crate::{Casters, Error, PointLight, PointShadows, Sides, Stage};
 use glam::Vec3;
+use instanced::PassKind;
 use pair::Pair;
 
 /// A scene's casters in both forms that the methods draw from.
@@ -235,6 +236,20 @@ impl Kind {
             Method::DepthView => Self::DepthView(DepthView::new(device, resolution)),
         })
     }
+}
+
+/// Name and text of the complete modules that draw the maps, for checking them with other compilers. Multiview is
+/// left out: WebGPU doesn't have it.
+#[must_use]
+pub fn modules() -> Vec<(String, String)> {
+    let [route, faces] = cube_routed::modules();
+    let modules = [
+        ("instanced", PassKind::OneView.text()),
+        ("vertex_warp", PassKind::VertexWarp.text()),
+        ("cube_route", route),
+        ("cube_routed", faces),
+    ];
+    modules.into_iter().map(|(name, text)| (format!("compare_{name}"), text)).collect()
 }
 
 /// Two squares of depth side by side.

@@ -74,6 +74,16 @@ impl Question {
     }
 }
 
+/// Name and text of the complete modules of all passes, for checking them with other compilers.
+#[must_use]
+pub fn modules() -> Vec<(String, String)> {
+    let module = |(number, question): (usize, Question)| {
+        let (text, expression) = question.text();
+        (format!("compare_shade_{number}"), pass::module(&text, expression))
+    };
+    Question::ALL.into_iter().enumerate().map(module).collect()
+}
+
 /// What a pass takes, in itself and beside the others.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LookupTime {

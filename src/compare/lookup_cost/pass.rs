@@ -79,8 +79,7 @@ impl ShadePass {
     /// A pass that evaluates the `expression` over `position` and `normal`, with the `text` of its lookup.
     pub(super) fn new(gpu: &Gpu, screen: &Screen, map: usize, bound: Bound, text: &str, expression: &str) -> Self {
         let device = &gpu.device;
-        let text = [text, &PASS.replace("EXPRESSION", expression)].concat();
-        let module = crate::gpu::shader(device, "compare::shade", text);
+        let module = crate::gpu::shader(device, "compare::shade", module(text, expression));
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("dual_paraboloid::compare::shade"),
             bind_group_layouts: &[bound.map(|(_, layout)| layout), Some(&screen.layout)],
@@ -109,6 +108,11 @@ impl ShadePass {
         });
         Self { pipeline, map }
     }
+}
+
+/// The complete module of a pass.
+pub(super) fn module(text: &str, expression: &str) -> String {
+    [text, &PASS.replace("EXPRESSION", expression)].concat()
 }
 
 /// A texture as large as the screen that holds a vector for each pixel.
