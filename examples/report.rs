@@ -9,6 +9,7 @@ use dual_paraboloid::compare::baselines::{Baseline, DeviceScene, Lookup, Method}
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Judged, Truth, choose_light, find_scene, judge};
 use dual_paraboloid::compare::scene::{Scene, scene_files, scenes_dir};
+use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::{PointLight, Sides};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -51,8 +52,7 @@ fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            let message = error.to_string();
-            eprintln!("report: {}", message.split_whitespace().collect::<Vec<_>>().join(" "));
+            eprintln!("report: {}", one_line(error));
             ExitCode::FAILURE
         }
     }

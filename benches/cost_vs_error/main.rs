@@ -14,6 +14,7 @@ use dual_paraboloid::compare::cost::{Plan, Rule, SceneCosts, Subject};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Truth, choose_light, find_scene};
 use dual_paraboloid::compare::scene::Scene;
+use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::compare::timing::Timer;
 use figures::{Figures, main_resolution};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -21,16 +22,11 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Bytes of one receiver on the GPU.
-const RECEIVER: u64 = 24;
-
 fn main() -> ExitCode {
     match run(&Arguments::read()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // Some messages of files and drivers have several lines.
-            let message = format!("{error:#}");
-            eprintln!("cost_vs_error: {}", message.split_whitespace().collect::<Vec<_>>().join(" "));
+            eprintln!("cost_vs_error: {}", one_line(format!("{error:#}")));
             ExitCode::FAILURE
         }
     }
@@ -41,7 +37,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let features =
         wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS | wgpu::Features::MULTIVIEW;
     let gpu = Gpu::new(features)?;
-    let most = gpu.device.limits().max_storage_buffer_binding_size / RECEIVER;
+    let most = gpu.most_receivers();
     ensure!(u64::from(arguments.samples) <= most, "--samples can be {most} at most on {}", gpu.name());
     if let Some(folder) = &arguments.out {
         std::fs::create_dir_all(folder).with_context(|| format!("can't make the folder {}", folder.display()))?;
@@ -111,7 +107,7 @@ impl Bench<'_> {
                     figures.scenes.push(costs);
                 }
                 Err(error) => {
-                    let why = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
+                    let why = one_line(format!("{error:#}"));
                     self.bar.suspend(|| eprintln!("{}, {rule}: left out: {why}", scene.name));
                     figures.left_out.push(format!("{}, {rule}: {why}", scene.name));
                 }

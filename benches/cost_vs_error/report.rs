@@ -3,7 +3,7 @@
 use crate::figures::Figures;
 use dual_paraboloid::compare::baselines::{Budget, Lookup, Method};
 use dual_paraboloid::compare::cost::{Cost, LARGE_SCENE, Ratio, Ratios, Rule, SceneCosts};
-use dual_paraboloid::compare::table::{Table, grouped};
+use dual_paraboloid::compare::text::{Table, grouped};
 use dual_paraboloid::compare::timing::{Summary, milliseconds};
 use std::fmt::Write;
 

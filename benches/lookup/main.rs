@@ -9,7 +9,7 @@ use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::lookup_cost::{LookupBench, LookupTime, Question};
 use dual_paraboloid::compare::measure::{choose_light, find_scene, select_scenes};
 use dual_paraboloid::compare::shot::Shot;
-use dual_paraboloid::compare::table::Table;
+use dual_paraboloid::compare::text::{Table, one_line};
 use dual_paraboloid::compare::timing::{Rounds, Timer, milliseconds};
 use serde_json::json;
 use std::path::PathBuf;
@@ -57,8 +57,7 @@ fn main() -> ExitCode {
     match run(Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            let message = format!("{error:#}");
-            eprintln!("lookup: {}", message.split_whitespace().collect::<Vec<_>>().join(" "));
+            eprintln!("lookup: {}", one_line(format!("{error:#}")));
             ExitCode::FAILURE
         }
     }

@@ -15,23 +15,18 @@ use dual_paraboloid::Sides;
 use dual_paraboloid::compare::baselines::DeviceScene;
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Truth, choose_light, find_scene};
-use dual_paraboloid::compare::table::grouped;
+use dual_paraboloid::compare::text::{grouped, one_line};
 use dual_paraboloid::compare::timing::Timer;
 use indicatif::{ProgressBar, ProgressStyle};
 use report::Common;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Bytes of one receiver on the GPU.
-const RECEIVER: u64 = 24;
-
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // Some messages of files and drivers have several lines.
-            let message = error.to_string();
-            eprintln!("measure: {}", message.split_whitespace().collect::<Vec<_>>().join(" "));
+            eprintln!("measure: {}", one_line(error));
             ExitCode::FAILURE
         }
     }
@@ -44,7 +39,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let gpu = Gpu::new(
         wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS | wgpu::Features::MULTIVIEW,
     )?;
-    let most = gpu.device.limits().max_storage_buffer_binding_size / RECEIVER;
+    let most = gpu.most_receivers();
     ensure!(u64::from(arguments.samples) <= most, "--samples can be {most} at most on {}", gpu.name());
     if let Some(folder) = &arguments.pictures {
         std::fs::create_dir_all(folder)

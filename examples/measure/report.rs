@@ -2,7 +2,7 @@
 
 use crate::figures::Measured;
 use anyhow::anyhow;
-use dual_paraboloid::compare::table::grouped;
+use dual_paraboloid::compare::text::grouped;
 use dual_paraboloid::compare::timing::{Summary, milliseconds};
 use serde_json::{Value, json};
 use std::path::Path;

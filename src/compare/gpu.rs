@@ -173,6 +173,12 @@ impl Gpu {
         self.evaluate(&text, &[(shadows.bind_group(), shadows.bind_group_layout())], receivers)
     }
 
+    /// Number of receivers that one evaluation takes at most.
+    #[must_use]
+    pub fn most_receivers(&self) -> u64 {
+        self.device.limits().max_storage_buffer_binding_size / size_of::<[Vec3; 2]>() as u64
+    }
+
     /// Runs the entry point `evaluate` of a module made with [`evaluation`], one thread a receiver. The groups are
     /// bound from 0 on.
     #[must_use]

@@ -17,9 +17,9 @@ pub mod procedural;
 pub mod reference;
 pub mod scene;
 pub mod shot;
-pub mod table;
 #[cfg(test)]
 mod test_shapes;
+pub mod text;
 pub mod timing;
 
 pub use fill::fill;

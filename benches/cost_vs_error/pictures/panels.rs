@@ -6,7 +6,7 @@ use super::series::{BY_ERROR, BY_TIME, INK, Mark, Series, legend};
 use crate::figures::Figures;
 use dual_paraboloid::compare::baselines::{Budget, Method};
 use dual_paraboloid::compare::cost::{Cost, Point, SceneCosts, pareto_front};
-use dual_paraboloid::compare::table::grouped;
+use dual_paraboloid::compare::text::grouped;
 use plotters::chart::ChartContext;
 use plotters::prelude::*;
 use std::cmp::Ordering;

@@ -1,4 +1,4 @@
-//! Tables that read well on a terminal and are Markdown at the same time.
+//! Text for people: tables that read well on a terminal and are Markdown at the same time, numbers, errors.
 
 use std::fmt;
 
@@ -62,6 +62,12 @@ pub fn grouped(number: usize) -> String {
     groups.join(",")
 }
 
+/// A message in one line: those of some files and drivers have several.
+#[must_use]
+pub fn one_line(message: impl fmt::Display) -> String {
+    message.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,6 +85,11 @@ mod tests {
             "| the long hall |      |",
         ];
         assert_eq!(table.to_string().lines().collect::<Vec<_>>(), lines);
+    }
+
+    #[test]
+    fn messages_of_several_lines() {
+        assert_eq!(one_line("a\n    b  c\n"), "a b c");
     }
 
     #[test]
