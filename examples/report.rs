@@ -7,7 +7,7 @@ use anyhow::anyhow;
 use clap::Parser;
 use dual_paraboloid::compare::baselines::{Baseline, DeviceScene, Lookup, Method};
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::measure::{Judged, Truth, choose_light, find_scene, judge};
+use dual_paraboloid::compare::measure::{Judge, Judged, Truth, choose_light, find_scene};
 use dual_paraboloid::compare::scene::{Scene, scene_files, scenes_dir};
 use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::{PointLight, Sides};
@@ -121,7 +121,7 @@ impl Subject {
 
     fn judge(&mut self, gpu: &Gpu, method: Method, lookup: Lookup, resolution: u32) -> anyhow::Result<Judged> {
         let mut baseline = Baseline::new(&gpu.device, method, resolution)?;
-        let judged = judge(gpu, &mut baseline, lookup, &mut self.casters, &self.light, &self.truth)?;
+        let judged = Judge::new(gpu, self.light, &self.truth).judge(&mut baseline, lookup, &mut self.casters)?;
         judged.ok_or_else(|| anyhow!("{method} can't be read by {}", lookup.name()))
     }
 

@@ -12,7 +12,7 @@ use arguments::Arguments;
 use dual_paraboloid::compare::baselines::{Budget, DeviceScene, Method};
 use dual_paraboloid::compare::cost::{Plan, Rule, SceneCosts, Subject};
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::measure::{Truth, choose_light, find_scene};
+use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene};
 use dual_paraboloid::compare::scene::Scene;
 use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::compare::timing::Timer;
@@ -125,7 +125,8 @@ impl Bench<'_> {
         let (samples, seed) = (self.arguments.samples as usize, self.arguments.seed);
         let truth = Truth::with_sides(scene, &light, rule.sides(), samples, seed);
         ensure!(!truth.receivers.is_empty(), "its light reaches no surface");
-        let mut subject = Subject { gpu: self.gpu, timer: self.timer, casters, light, truth };
+        let judge = Judge::new(self.gpu, light, &truth);
+        let mut subject = Subject { gpu: self.gpu, timer: self.timer, casters, judge };
         let (mut costs, mut left_out) = (Vec::new(), Vec::new());
         for &pair in &self.arguments.resolution {
             message(&format!("R = {pair}"));

@@ -14,7 +14,7 @@ use clap::Parser;
 use dual_paraboloid::Sides;
 use dual_paraboloid::compare::baselines::DeviceScene;
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::measure::{Truth, choose_light, find_scene};
+use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene};
 use dual_paraboloid::compare::text::{grouped, one_line};
 use dual_paraboloid::compare::timing::Timer;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -65,7 +65,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         scene.name
     );
     bar.inc(1);
-    figures::find_errors(&gpu, &mut measured, &mut casters, &light, &truth, &bar)?;
+    figures::find_errors(&mut Judge::new(&gpu, light, &truth), &mut measured, &mut casters, &bar)?;
     figures::find_times(&timer, &gpu, &mut measured, &mut casters, &light, arguments.runs as usize, &bar)?;
     bar.finish_and_clear();
 

@@ -3,7 +3,7 @@
 mod judge;
 mod subject;
 
-pub use judge::{Answers, BIASES, Judged, answers, judge, pair_of_equal_texels};
+pub use judge::{Answers, BIASES, Judge, Judged, pair_of_equal_texels};
 pub use subject::{LightChoice, PROCEDURAL, choose_light, find_scene, select_scenes};
 
 use super::error_figures::{MapError, ShadowError, ShadowReport, map_error, shadow_error};

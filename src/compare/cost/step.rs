@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use super::{Cost, LookupError, Stages};
 use crate::compare::baselines::{Baseline, Budget, DeviceScene, Method};
 use crate::compare::gpu::Gpu;
-use crate::compare::measure::{Truth, answers};
+use crate::compare::measure::Judge;
 use crate::compare::timing::{Rounds, Timer, Times};
-use crate::{Error, PointLight, Stage};
+use crate::{Error, Stage};
 
 /// The fewest runs of a step that would take too long.
 const FEWEST_RUNS: usize = 5;
@@ -33,10 +33,8 @@ pub struct Subject<'a> {
     pub timer: &'a Timer<'a>,
     /// The casters.
     pub casters: DeviceScene,
-    /// The light whose map is made.
-    pub light: PointLight,
-    /// What answers are right, under the same rule for sides as the casters'.
-    pub truth: Truth,
+    /// Judges maps of the light, by a truth under the same rule for sides as the casters'.
+    pub judge: Judge<'a>,
 }
 
 /// A method at a size.
@@ -91,9 +89,9 @@ impl Subject<'_> {
     fn errors(&mut self, baseline: &mut Baseline) -> Result<Vec<LookupError>, Error> {
         let mut errors = Vec::new();
         for &lookup in baseline.method().lookups() {
-            let answers = answers(self.gpu, baseline, lookup, &mut self.casters, &self.light, &self.truth)?;
+            let answers = self.judge.answers(baseline, lookup, &mut self.casters)?;
             errors.extend(answers.map(|answers| {
-                let wrong_ppm = self.truth.wrong_ppm(&answers.values);
+                let wrong_ppm = self.judge.truth().wrong_ppm(&answers.values);
                 LookupError { lookup, wrong_ppm, bias: answers.bias }
             }));
         }
@@ -107,12 +105,12 @@ impl Subject<'_> {
         contenders: &mut [Contender],
         ways: &[(usize, Stage)],
     ) -> Result<(Vec<Times>, usize), Error> {
-        let (gpu, mut failed) = (self.gpu, None);
+        let (gpu, light, mut failed) = (self.gpu, *self.judge.light(), None);
         let mut record = |way: usize, encoder: &mut wgpu::CommandEncoder| {
             let (index, stage) = ways[way];
             let baseline = &mut contenders[index].baseline;
             baseline.stop_after(stage);
-            let recorded = baseline.record(&gpu.device, &gpu.queue, encoder, &mut self.casters, &self.light);
+            let recorded = baseline.record(&gpu.device, &gpu.queue, encoder, &mut self.casters, &light);
             failed = failed.take().or(recorded.err());
         };
         // The first round makes pipelines and room; the second tells how long one takes.
