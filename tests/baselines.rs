@@ -1,7 +1,7 @@
 //! The methods that the library is measured against have to be right, and as good as they can be.
 
 use dual_paraboloid::compare::baselines::{
-    Baseline, BaselineError, Budget, ConstantBias, CubeMultiview, DeviceScene, Lookup, Method,
+    Baseline, BaselineError, Budget, ConstantBias, CubeMultiview, DeviceScene, Lookup, Method, SceneBuffers,
 };
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::lookup_cost::{LookupBench, Question};
@@ -9,7 +9,7 @@ use dual_paraboloid::compare::procedural::{self, shapes};
 use dual_paraboloid::compare::scene::{Material, Scene, SceneInstance, SceneMesh};
 use dual_paraboloid::compare::shot::Shot;
 use dual_paraboloid::compare::timing::{Rounds, Timer};
-use dual_paraboloid::{PointLight, Sides};
+use dual_paraboloid::{Error, PointLight, Sides};
 use glam::{Affine3A, Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -432,4 +432,28 @@ fn screen_passes_answer_as_the_lookups_do() {
     for question in [Question::Texels(1), Question::Texels(3), Question::Lookup(Lookup::CubePlane)] {
         assert!(differing(question) < own.len() / 10, "{}", question.name());
     }
+}
+
+#[test]
+fn what_the_device_refuses_is_an_error() {
+    let empty = |width| {
+        gpu().attempt(|| {
+            gpu().device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width, height: 4, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Depth32Float,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+        })
+    };
+    assert!(empty(0).is_err() && empty(4).is_ok());
+    let required_limits = wgpu::Limits { max_buffer_size: 1 << 15, ..Default::default() };
+    let (small, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor { required_limits, ..Default::default() });
+    let refused = SceneBuffers::new(&small, &procedural::dense(10_000), false).map(|_| ()).unwrap_err();
+    assert!(matches!(refused, Error::CastersTooLarge { limit: 32_768, .. }), "{refused}");
+    assert!(SceneBuffers::new(&small, &procedural::few_large(), false).is_ok());
 }

@@ -168,3 +168,35 @@ pub fn light_for(scene: &Scene, position: Vec3) -> PointLight {
     let range = 1.01 * farthest.max(1e-6);
     PointLight { position, range, near: range * 1e-5, ..Default::default() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::procedural::shapes::quad;
+    use crate::compare::scene::SceneInstance;
+    use glam::Affine3A;
+
+    /// Share of a floor's and a sheet's receivers that a lamp above both lights, with fronts alone or both sides casting.
+    fn lit(sheet_faces_the_lamp: bool, sides: Sides, mirror: f32) -> f64 {
+        let (low, x, z) = (Vec3::new(-0.5, 1.0, -0.5), Vec3::X, Vec3::Z);
+        let sheet = if sheet_faces_the_lamp { quad(low, z, x) } else { quad(low, x, z) };
+        let floor = quad(Vec3::new(-2.0, 0.0, -2.0), 4.0 * z, 4.0 * x);
+        let transforms = [Affine3A::IDENTITY, Affine3A::from_scale(Vec3::new(mirror, 1.0, 1.0))];
+        let instance = |(mesh, transform)| SceneInstance { mesh, transform };
+        let instances = transforms.into_iter().enumerate().map(instance).collect();
+        let scene = Scene { meshes: vec![floor, sheet], instances, ..Scene::default() };
+        let light = PointLight { position: 2.0 * Vec3::Y, range: 10.0, ..Default::default() };
+        let truth = Truth::with_sides(&scene, &light, sides, 500, 1);
+        assert_eq!(truth.wrong_ppm(&truth.lit.iter().map(|lit| f32::from(u8::from(!lit))).collect::<Vec<_>>()), 1e6);
+        truth.lit.iter().filter(|lit| **lit).count() as f64 / truth.lit.len() as f64
+    }
+
+    #[test]
+    fn backs_cast_only_where_both_sides_do() {
+        for mirror in [1.0, -1.0] {
+            assert!(lit(true, Sides::Auto, mirror) < 0.9 && lit(false, Sides::Auto, mirror) < 0.9);
+            assert!(lit(true, Sides::Front, mirror) < 0.9);
+            assert_eq!(lit(false, Sides::Front, mirror), 1.0);
+        }
+    }
+}
