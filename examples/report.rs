@@ -7,8 +7,9 @@ use anyhow::anyhow;
 use clap::Parser;
 use dual_paraboloid::compare::baselines::{Baseline, DeviceScene, Lookup, Method};
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::measure::{Judged, Truth, choose_light, find_scene, judge};
-use dual_paraboloid::compare::scene::{Scene, scenes_dir};
+use dual_paraboloid::compare::measure::{Judge, Judged, Truth, choose_light, find_scene};
+use dual_paraboloid::compare::scene::{Scene, scene_files, scenes_dir};
+use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::{PointLight, Sides};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -51,8 +52,7 @@ fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            let message = error.to_string();
-            eprintln!("report: {}", message.split_whitespace().collect::<Vec<_>>().join(" "));
+            eprintln!("report: {}", one_line(error));
             ExitCode::FAILURE
         }
     }
@@ -88,18 +88,13 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// The hall and every file, by name, that holds one of `wanted`; all if there is none.
 fn scene_names(wanted: &[String]) -> anyhow::Result<Vec<String>> {
-    let mut names = Vec::new();
+    let mut names = vec!["hall".to_owned()];
     match scenes_dir() {
         None => eprintln!("report: no folder of scenes, so only the hall: name one in DP_SCENES"),
         Some(folder) => {
-            let entries = std::fs::read_dir(&folder).map_err(|error| anyhow!("{}: {error}", folder.display()))?;
-            let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-            let scenes = paths.filter(|path| path.extension().is_some_and(|it| it == "glb" || it == "gltf"));
-            names.extend(scenes.map(|path| path.to_string_lossy().into_owned()));
+            names.extend(scene_files(&folder)?.into_iter().map(|path| path.to_string_lossy().into_owned()));
         }
     }
-    names.sort();
-    names.insert(0, "hall".to_owned());
     names.retain(|name| {
         let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
         wanted.is_empty() || wanted.iter().any(|part| file.contains(part))
@@ -126,7 +121,7 @@ impl Subject {
 
     fn judge(&mut self, gpu: &Gpu, method: Method, lookup: Lookup, resolution: u32) -> anyhow::Result<Judged> {
         let mut baseline = Baseline::new(&gpu.device, method, resolution)?;
-        let judged = judge(gpu, &mut baseline, lookup, &mut self.casters, &self.light, &self.truth)?;
+        let judged = Judge::new(gpu, self.light, &self.truth).judge(&mut baseline, lookup, &mut self.casters)?;
         judged.ok_or_else(|| anyhow!("{method} can't be read by {}", lookup.name()))
     }
 

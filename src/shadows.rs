@@ -84,6 +84,7 @@ pub struct PointShadows {
 
 /// A stage of [`PointShadows::record`] on the GPU; each needs those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[cfg_attr(not(feature = "compare"), expect(dead_code, reason = "only measurements stop before the last stage"))]
 pub enum Stage {
     /// Which triangles each hemisphere draws or splits.
     Route,

@@ -1,13 +1,15 @@
 //! The methods that the library is measured against have to be right, and as good as they can be.
 
 use dual_paraboloid::compare::baselines::{
-    Baseline, BaselineError, Budget, ConstantBias, CubeMultiview, DeviceScene, Lookup, Method,
+    Baseline, BaselineError, Budget, ConstantBias, CubeMultiview, DeviceScene, Lookup, Method, SceneBuffers,
 };
 use dual_paraboloid::compare::gpu::Gpu;
+use dual_paraboloid::compare::lookup_cost::{LookupBench, Question};
 use dual_paraboloid::compare::procedural::{self, shapes};
 use dual_paraboloid::compare::scene::{Material, Scene, SceneInstance, SceneMesh};
+use dual_paraboloid::compare::shot::Shot;
 use dual_paraboloid::compare::timing::{Rounds, Timer};
-use dual_paraboloid::{PointLight, Sides};
+use dual_paraboloid::{Error, PointLight, Sides};
 use glam::{Affine3A, Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -408,4 +410,50 @@ fn timing_takes_turns() {
         assert!(time.gpu.min <= time.gpu.median && time.gpu.median <= time.gpu.max);
         assert!(time.cpu.min <= time.cpu.median && time.cpu.median <= time.cpu.max);
     }
+}
+
+#[test]
+fn screen_passes_answer_as_the_lookups_do() {
+    let scene = procedural::few_large();
+    let light = PointLight { position: Vec3::new(0.0, 4.0, 0.0), range: 40.0, ..Default::default() };
+    let shot = Shot::take(&scene, &scene.suggest_camera(light.position), 96, 54);
+    let bench = LookupBench::new(gpu(), &scene, &light, &shot, 128).unwrap();
+    let own = bench.answers(Question::Lookup(Lookup::Paraboloid));
+    assert!(own.contains(&0.0) && own.contains(&1.0));
+    // The same four texels, loaded one by one: weights and references differ by rounding.
+    let loaded = bench.answers(Question::Texels(2));
+    assert!(own.iter().zip(&loaded).filter(|(a, b)| (*a - *b).abs() > 1e-3).count() <= own.len() / 1000);
+    let differing = |other: Question| {
+        let other = bench.answers(other);
+        assert!(other.iter().all(|share| (0.0..=1.0 + 1e-6).contains(share)));
+        own.iter().zip(&other).filter(|(a, b)| (**a >= 0.5) != (**b >= 0.5)).count()
+    };
+    // Filters of other widths agree but near boundaries, and so does the cube.
+    for question in [Question::Texels(1), Question::Texels(3), Question::Lookup(Lookup::CubePlane)] {
+        assert!(differing(question) < own.len() / 10, "{}", question.name());
+    }
+}
+
+#[test]
+fn what_the_device_refuses_is_an_error() {
+    let empty = |width| {
+        gpu().attempt(|| {
+            gpu().device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width, height: 4, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Depth32Float,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+        })
+    };
+    assert!(empty(0).is_err() && empty(4).is_ok());
+    let required_limits = wgpu::Limits { max_buffer_size: 1 << 15, ..Default::default() };
+    let (small, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor { required_limits, ..Default::default() });
+    let refused = SceneBuffers::new(&small, &procedural::dense(10_000), false).map(|_| ()).unwrap_err();
+    assert!(matches!(refused, Error::CastersTooLarge { limit: 32_768, .. }), "{refused}");
+    assert!(SceneBuffers::new(&small, &procedural::few_large(), false).is_ok());
 }

@@ -5,7 +5,7 @@ use anyhow::{anyhow, ensure};
 use dual_paraboloid::PointLight;
 use dual_paraboloid::compare::baselines::{Baseline, DeviceScene};
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::measure::{Judged, Truth, judge};
+use dual_paraboloid::compare::measure::{Judge, Judged};
 use dual_paraboloid::compare::timing::{Rounds, Summary, Timer};
 use indicatif::ProgressBar;
 
@@ -38,17 +38,15 @@ pub fn prepare(gpu: &Gpu, arguments: &Arguments) -> anyhow::Result<Vec<Measured>
 
 /// Judges each method's shadows. A step of the bar for each.
 pub fn find_errors(
-    gpu: &Gpu,
+    judge: &mut Judge,
     measured: &mut [Measured],
     scene: &mut DeviceScene,
-    light: &PointLight,
-    truth: &Truth,
     bar: &ProgressBar,
 ) -> anyhow::Result<()> {
     for one in measured {
         bar.set_message(format!("errors of {}", one.entry.name()));
         if let Some(lookup) = one.entry.lookup {
-            one.judged = judge(gpu, &mut one.baseline, lookup, scene, light, truth)?;
+            one.judged = judge.judge(&mut one.baseline, lookup, scene)?;
         }
         bar.inc(1);
     }

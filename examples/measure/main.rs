@@ -14,23 +14,19 @@ use clap::Parser;
 use dual_paraboloid::Sides;
 use dual_paraboloid::compare::baselines::DeviceScene;
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::measure::{Truth, choose_light, find_scene};
-use dual_paraboloid::compare::timing::{Clock, Timer};
+use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene};
+use dual_paraboloid::compare::text::{grouped, one_line};
+use dual_paraboloid::compare::timing::Timer;
 use indicatif::{ProgressBar, ProgressStyle};
-use report::{Common, grouped};
+use report::Common;
 use std::process::ExitCode;
 use std::time::Duration;
-
-/// Bytes of one receiver on the GPU.
-const RECEIVER: u64 = 24;
 
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // Some messages of files and drivers have several lines.
-            let message = error.to_string();
-            eprintln!("measure: {}", message.split_whitespace().collect::<Vec<_>>().join(" "));
+            eprintln!("measure: {}", one_line(error));
             ExitCode::FAILURE
         }
     }
@@ -43,19 +39,15 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let gpu = Gpu::new(
         wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS | wgpu::Features::MULTIVIEW,
     )?;
-    let most = gpu.device.limits().max_storage_buffer_binding_size / RECEIVER;
+    let most = gpu.most_receivers();
     ensure!(u64::from(arguments.samples) <= most, "--samples can be {most} at most on {}", gpu.name());
     if let Some(folder) = &arguments.pictures {
         std::fs::create_dir_all(folder)
             .map_err(|error| anyhow!("can't make the folder {}: {error}", folder.display()))?;
     }
     let timer = Timer::new(&gpu);
-    let clock = match timer.clock() {
-        Clock::Timestamps => "timestamps of the GPU",
-        Clock::Wall => "wall time from submitting to idle",
-    };
     let at = light.position;
-    println!("adapter    {} (times: {clock})", gpu.name());
+    println!("adapter    {} (times: {})", gpu.name(), timer.clock());
     println!("scene      {}: {} triangles", scene.name, grouped(scene.triangle_count()));
     println!("light      at {},{},{}, range {:.4}, near {:.3e} ({choice})", at.x, at.y, at.z, light.range, light.near);
 
@@ -73,7 +65,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         scene.name
     );
     bar.inc(1);
-    figures::find_errors(&gpu, &mut measured, &mut casters, &light, &truth, &bar)?;
+    figures::find_errors(&mut Judge::new(&gpu, light, &truth), &mut measured, &mut casters, &bar)?;
     figures::find_times(&timer, &gpu, &mut measured, &mut casters, &light, arguments.runs as usize, &bar)?;
     bar.finish_and_clear();
 

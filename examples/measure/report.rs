@@ -2,7 +2,8 @@
 
 use crate::figures::Measured;
 use anyhow::anyhow;
-use dual_paraboloid::compare::timing::Summary;
+use dual_paraboloid::compare::text::grouped;
+use dual_paraboloid::compare::timing::{Summary, milliseconds};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Duration;
@@ -48,13 +49,10 @@ fn shadow(one: &Measured) -> Value {
 }
 
 fn times(common: &Common, time: &Summary) -> Value {
-    json!({
-        "adapter": common.adapter,
-        "ms_median": milliseconds(time.median),
-        "ms_min": milliseconds(time.min),
-        "ms_max": milliseconds(time.max),
-        "runs": common.runs,
-    })
+    let mut times = json!(time);
+    times["adapter"] = json!(common.adapter);
+    times["runs"] = json!(common.runs);
+    times
 }
 
 /// A line for each figure, a column for each method; a dash where a method has no such figure.
@@ -112,16 +110,4 @@ fn ppm(value: f64) -> String {
 
 fn time(time: Duration) -> String {
     format!("{:.3}", milliseconds(time))
-}
-
-fn milliseconds(time: Duration) -> f64 {
-    1000.0 * time.as_secs_f64()
-}
-
-/// A number with commas between its thousands.
-pub fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let from_the_end = digits.as_bytes().rchunks(3).rev();
-    let groups: Vec<_> = from_the_end.map(String::from_utf8_lossy).collect();
-    groups.join(",")
 }

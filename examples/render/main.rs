@@ -13,6 +13,7 @@ use clap::Parser;
 use dual_paraboloid::compare::gpu::{Gpu, Statistics};
 use dual_paraboloid::compare::procedural::{hall, hall_camera, shapes};
 use dual_paraboloid::compare::scene::{Camera, Material, Scene, SceneInstance, SceneMesh};
+use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::{Casters, LightId, PointLight, PointShadows, PointShadowsDescriptor, Sides};
 use glam::{Affine3A, Quat, Vec3};
 use lighting::Light;
@@ -29,9 +30,7 @@ fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // Some messages of files and drivers have several lines.
-            let message = error.to_string();
-            eprintln!("render: {}", message.split_whitespace().collect::<Vec<_>>().join(" "));
+            eprintln!("render: {}", one_line(error));
             ExitCode::FAILURE
         }
     }

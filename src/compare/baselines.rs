@@ -25,10 +25,11 @@ pub use scene_buffers::SceneBuffers;
 pub use vertex_warp::VertexWarp;
 
 use super::fill;
-use super::gpu::{Gpu, evaluation};
+use super::gpu::{Evaluator, Gpu, evaluation};
 use super::scene::Scene;
 use crate::{Casters, Error, PointLight, PointShadows, Sides, Stage};
 use glam::Vec3;
+use instanced::PassKind;
 use pair::Pair;
 
 /// A scene's casters in both forms that the methods draw from.
@@ -45,11 +46,11 @@ impl DeviceScene {
     /// all methods.
     ///
     /// # Errors
-    /// Whatever [`fill`] returns.
+    /// Whatever [`fill`] and [`SceneBuffers::new`] return.
     pub fn new(device: &wgpu::Device, scene: &Scene, sides: Sides) -> Result<Self, Error> {
         let mut chunked = Casters::new(device);
         fill(&mut chunked, scene, sides)?;
-        Ok(Self { instanced: SceneBuffers::new(device, scene, sides == Sides::Front), chunked })
+        Ok(Self { instanced: SceneBuffers::new(device, scene, sides == Sides::Front)?, chunked })
     }
 }
 
@@ -213,11 +214,23 @@ impl Baseline {
     /// read this method's map.
     #[must_use]
     pub fn shadow_values(&self, gpu: &Gpu, lookup: Lookup, receivers: &[(Vec3, Vec3)]) -> Option<Vec<f32>> {
-        if !self.method.lookups().contains(&lookup) {
-            return None;
-        }
+        self.answers(gpu, &self.evaluator(gpu, lookup, receivers)?)
+    }
+
+    /// Asks a lookup for each receiver, in this map and in all others that the lookup reads. `None` for a lookup that
+    /// doesn't read this method's map.
+    #[must_use]
+    pub fn evaluator(&self, gpu: &Gpu, lookup: Lookup, receivers: &[(Vec3, Vec3)]) -> Option<Evaluator> {
+        let (_, layout) = self.bind_group().filter(|_| self.method.lookups().contains(&lookup))?;
         let text = [lookup.text(0), evaluation(lookup.expression())].concat();
-        Some(gpu.evaluate(&text, &[self.bind_group()?], receivers))
+        Some(gpu.evaluator(&text, &[layout], receivers))
+    }
+
+    /// What the evaluator of one of this method's lookups finds in this map; `None` without any lookup.
+    #[must_use]
+    pub fn answers(&self, gpu: &Gpu, evaluator: &Evaluator) -> Option<Vec<f32>> {
+        let (group, _) = self.bind_group()?;
+        Some(evaluator.values(gpu, &[group]))
     }
 }
 
@@ -235,6 +248,20 @@ impl Kind {
             Method::DepthView => Self::DepthView(DepthView::new(device, resolution)),
         })
     }
+}
+
+/// Name and text of the complete modules that draw the maps, for checking them with other compilers. Multiview is
+/// left out: WebGPU doesn't have it.
+#[must_use]
+pub fn modules() -> Vec<(String, String)> {
+    let [route, faces] = cube_routed::modules();
+    let modules = [
+        ("instanced", PassKind::OneView.text()),
+        ("vertex_warp", PassKind::VertexWarp.text()),
+        ("cube_route", route),
+        ("cube_routed", faces),
+    ];
+    modules.into_iter().map(|(name, text)| (format!("compare_{name}"), text)).collect()
 }
 
 /// Two squares of depth side by side.

@@ -14,6 +14,6 @@ pub use receivers::{Receiver, ideal_shadows, sample_receivers, truth};
 pub use shadow_error::{CREASE_DEPTH, FAR_TEXELS, ShadowError, ShadowReport, near_boundary, shadow_error};
 
 /// `count` out of `total` in parts per million; 0 of nothing is 0.
-fn per_million(count: usize, total: usize) -> f64 {
+pub(super) fn per_million(count: usize, total: usize) -> f64 {
     if total == 0 { 0.0 } else { 1e6 * count as f64 / total as f64 }
 }

@@ -78,6 +78,20 @@ impl Gpu {
         self.queue.submit([encoder.finish()]);
     }
 
+    /// Does something that may ask for more than the device has, and returns the device's first complaint, if any.
+    ///
+    /// # Errors
+    /// What the device said; what was made is then of no use.
+    pub fn attempt<T>(&self, attempt: impl FnOnce() -> T) -> Result<T, wgpu::Error> {
+        let filters = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory];
+        let scopes = filters.map(|filter| self.device.push_error_scope(filter));
+        let made = attempt();
+        self.wait();
+        // The last one pushed goes first: a lack of memory is the cause of other complaints.
+        let complaints: Vec<_> = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop())).collect();
+        complaints.into_iter().next().map_or(Ok(made), Err)
+    }
+
     /// Waits until the device has done everything submitted.
     pub fn wait(&self) {
         // A device that is lost has nothing left to wait for.
@@ -159,6 +173,12 @@ impl Gpu {
         self.evaluate(&text, &[(shadows.bind_group(), shadows.bind_group_layout())], receivers)
     }
 
+    /// Number of receivers that one evaluation takes at most.
+    #[must_use]
+    pub fn most_receivers(&self) -> u64 {
+        self.device.limits().max_storage_buffer_binding_size / size_of::<[Vec3; 2]>() as u64
+    }
+
     /// Runs the entry point `evaluate` of a module made with [`evaluation`], one thread a receiver. The groups are
     /// bound from 0 on.
     #[must_use]
@@ -168,56 +188,76 @@ impl Gpu {
         groups: &[(&wgpu::BindGroup, &wgpu::BindGroupLayout)],
         receivers: &[(Vec3, Vec3)],
     ) -> Vec<f32> {
+        let (groups, layouts): (Vec<&wgpu::BindGroup>, Vec<&wgpu::BindGroupLayout>) = groups.iter().copied().unzip();
+        self.evaluator(text, &layouts, receivers).values(self, &groups)
+    }
+
+    /// [`Self::evaluate`] for several groups of the same layouts, one after the other.
+    #[must_use]
+    pub fn evaluator(&self, text: &str, layouts: &[&wgpu::BindGroupLayout], receivers: &[(Vec3, Vec3)]) -> Evaluator {
         let device = &self.device;
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("dual_paraboloid::compare::evaluate"),
-            source: wgpu::ShaderSource::Wgsl(text.into()),
-        });
         let input: Vec<[f32; 3]> = receivers.iter().flat_map(|(p, n)| [p.to_array(), n.to_array()]).collect();
         let input = device.create_buffer_init(&BufferInitDescriptor {
             label: Some("dual_paraboloid::compare::receivers"),
             contents: bytemuck::cast_slice(&input),
             usage: wgpu::BufferUsages::STORAGE,
         });
-        let output = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("dual_paraboloid::compare::values"),
-            size: 4 * receivers.len() as u64,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let layout = crate::gpu::layout(
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let output = crate::gpu::buffer(device, "compare::values", 4 * receivers.len() as u64, usage);
+        let own_layout = crate::gpu::layout(
             device,
             "compare::evaluate",
             wgpu::ShaderStages::COMPUTE,
             &[crate::gpu::Binding::Read, crate::gpu::Binding::Write],
         );
         let resources = [input.as_entire_binding(), output.as_entire_binding()];
-        let own = crate::gpu::bind_group(device, "compare::evaluate", &layout, &resources);
-        let mut layouts: Vec<Option<&wgpu::BindGroupLayout>> = groups.iter().map(|(_, layout)| Some(*layout)).collect();
+        let mut layouts: Vec<Option<&wgpu::BindGroupLayout>> = layouts.iter().copied().map(Some).collect();
         layouts.resize(EVALUATION_GROUP, None);
-        layouts.push(Some(&layout));
+        layouts.push(Some(&own_layout));
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("dual_paraboloid::compare::evaluate"),
+            bind_group_layouts: &layouts,
+            ..Default::default()
+        });
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("dual_paraboloid::compare::evaluate"),
-            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("dual_paraboloid::compare::evaluate"),
-                bind_group_layouts: &layouts,
-                ..Default::default()
-            })),
-            module: &module,
+            layout: Some(&layout),
+            module: &crate::gpu::shader(device, "compare::evaluate", text.to_owned()),
             entry_point: Some("evaluate"),
             compilation_options: Default::default(),
             cache: None,
         });
-        self.submit(|encoder| {
+        let own = crate::gpu::bind_group(device, "compare::evaluate", &own_layout, &resources);
+        Evaluator { pipeline, own, output, workgroups: (receivers.len() as u32).div_ceil(64).clamp(1, 65_535) }
+    }
+}
+
+/// Receivers on the device, and what asks for each.
+#[derive(Debug)]
+pub struct Evaluator {
+    pipeline: wgpu::ComputePipeline,
+    own: wgpu::BindGroup,
+    output: wgpu::Buffer,
+    workgroups: u32,
+}
+
+impl Evaluator {
+    /// One value for each receiver. The groups are bound from 0 on.
+    ///
+    /// # Panics
+    /// If the device is lost.
+    #[must_use]
+    pub fn values(&self, gpu: &Gpu, groups: &[&wgpu::BindGroup]) -> Vec<f32> {
+        gpu.submit(|encoder| {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&pipeline);
-            for (number, (group, _)) in (0..).zip(groups) {
+            pass.set_pipeline(&self.pipeline);
+            for (number, group) in (0..).zip(groups) {
                 pass.set_bind_group(number, *group, &[]);
             }
-            pass.set_bind_group(EVALUATION_GROUP as u32, &own, &[]);
-            pass.dispatch_workgroups((receivers.len() as u32).div_ceil(64).clamp(1, 65_535), 1, 1);
+            pass.set_bind_group(EVALUATION_GROUP as u32, &self.own, &[]);
+            pass.dispatch_workgroups(self.workgroups, 1, 1);
         });
-        self.read(&output)
+        gpu.read(&self.output)
     }
 }
 

@@ -2,19 +2,24 @@
 //!
 //! [`reference`](mod@reference) is the truth by ray casting, [`ideal`] the map and the lookup as they would be if the
 //! resolution were the only source of error, [`error_figures`] says how far from both an answer is, and [`measure`]
-//! puts them together. [`baselines`] are the cubes and the published technique, [`timing`] what they cost.
+//! puts them together. [`baselines`] are the cubes and the published technique, [`timing`] takes their times, and
+//! [`cost`] sets these against the errors.
 
 pub mod baselines;
+pub mod cost;
 pub mod error_figures;
 mod fill;
 pub mod gpu;
 pub mod ideal;
+pub mod lookup_cost;
 pub mod measure;
 pub mod procedural;
 pub mod reference;
 pub mod scene;
+pub mod shot;
 #[cfg(test)]
 mod test_shapes;
+pub mod text;
 pub mod timing;
 
 pub use fill::fill;

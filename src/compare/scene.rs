@@ -326,6 +326,19 @@ pub fn scenes_dir() -> Option<PathBuf> {
     dir.is_dir().then_some(dir)
 }
 
+/// The `.glb` and `.gltf` files of a folder, by name.
+///
+/// # Errors
+/// [`SceneError::Read`] if the folder can't be read.
+pub fn scene_files(folder: &Path) -> Result<Vec<PathBuf>, SceneError> {
+    let entries = std::fs::read_dir(folder).map_err(|source| SceneError::Read { path: folder.to_owned(), source })?;
+    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    let is_scene = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "glb" || extension == "gltf");
+    let mut files: Vec<PathBuf> = paths.filter(is_scene).collect();
+    files.sort();
+    Ok(files)
+}
+
 /// World-space light positions for the test scenes, by file name.
 ///
 /// They are free of geometry and see front faces first. Those of `dutch_ship.glb`, `alpha_modes.glb`,

@@ -1,16 +1,28 @@
 //! Times of work on the device and of recording it, for several ways at once.
 
 use super::gpu::Gpu;
+use serde::{Serialize, Serializer};
+use std::fmt;
 use std::time::{Duration, Instant};
 
 /// What the device's times were taken with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Clock {
     /// Timestamps that the device wrote before and after the work.
     Timestamps,
     /// The host's clock, from submitting the work until the device is idle: for devices without timestamps, and for
     /// software drivers, whose timestamps say little.
     Wall,
+}
+
+impl fmt::Display for Clock {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.pad(match self {
+            Self::Timestamps => "timestamps of the GPU",
+            Self::Wall => "wall time from submitting to idle",
+        })
+    }
 }
 
 /// How often to measure.
@@ -22,15 +34,28 @@ pub struct Rounds {
     pub measured: usize,
 }
 
-/// The middle and the ends of some durations.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// The middle and the ends of some durations. Written out in milliseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Summary {
     /// The middle one; the upper of two.
+    #[serde(rename = "ms_median", serialize_with = "as_milliseconds")]
     pub median: Duration,
     /// The shortest.
+    #[serde(rename = "ms_min", serialize_with = "as_milliseconds")]
     pub min: Duration,
     /// The longest.
+    #[serde(rename = "ms_max", serialize_with = "as_milliseconds")]
     pub max: Duration,
+}
+
+/// A duration in milliseconds.
+#[must_use]
+pub fn milliseconds(time: Duration) -> f64 {
+    1000.0 * time.as_secs_f64()
+}
+
+pub(super) fn as_milliseconds<S: Serializer>(time: &Duration, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(milliseconds(*time))
 }
 
 impl Summary {

@@ -17,6 +17,11 @@ const CASTERS: &str = include_str!("../../../shaders/casters.wgsl");
 const ROUTE: &str = include_str!("../../../shaders/compare/cube_route.wgsl");
 const DEPTH: &str = include_str!("../../../shaders/compare/cube_routed.wgsl");
 
+/// The complete modules: of the route and of the faces.
+pub(super) fn modules() -> [String; 2] {
+    [[CASTERS, ROUTE].concat(), [INSTANCED_VIEW, DEPTH].concat()]
+}
+
 /// Triangles that a face's list has room for at most; more casters take several rounds.
 const MOST_TRIANGLES: u64 = 1 << 22;
 
@@ -69,7 +74,8 @@ impl CubeRouted {
         use Binding::{Counters, Read, Uniform, Write};
         let bindings = [Uniform, Counters, Read, Read, Read, Read, Write];
         let route_layout = gpu::layout(device, "cube_route", wgpu::ShaderStages::COMPUTE, &bindings);
-        let module = gpu::shader(device, "compare::cube_route", [CASTERS, ROUTE].concat());
+        let [route, faces] = modules();
+        let module = gpu::shader(device, "compare::cube_route", route);
         let face_layout = gpu::layout(device, "cube_routed", wgpu::ShaderStages::VERTEX, &[Uniform]);
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let face_views = gpu::buffer(device, "compare::faces", FACES.len() as u64 * SLOT, usage);
@@ -80,7 +86,7 @@ impl CubeRouted {
             map,
             route: gpu::compute_pipeline(device, "cube_route", &module, Some(&route_layout), &[]),
             route_layout,
-            depth: depth_pipeline(device, &face_layout),
+            depth: depth_pipeline(device, &face_layout, faces),
             face_group: gpu::bind_group(device, "compare::faces", &face_layout, &[face_view]),
             face_views,
             jobs: JobBuffers::new(device, 1024, 1),
@@ -259,8 +265,8 @@ impl JobBuffers {
     }
 }
 
-fn depth_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
-    let module = gpu::shader(device, "compare::cube_routed", [INSTANCED_VIEW, DEPTH].concat());
+fn depth_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, text: String) -> wgpu::RenderPipeline {
+    let module = gpu::shader(device, "compare::cube_routed", text);
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("dual_paraboloid::compare::cube_routed"),
         layout: Some(&gpu::pipeline_layout(device, "compare::cube_routed", layout)),

@@ -34,7 +34,8 @@ pub(super) enum PassKind {
 }
 
 impl PassKind {
-    fn text(self) -> String {
+    /// The complete module.
+    pub(super) fn text(self) -> String {
         match self {
             Self::OneView => [INSTANCED_VIEW, TRANSFORMS, INSTANCED].concat(),
             Self::SixViews => [INSTANCED_VIEW, TRANSFORMS, MULTIVIEW].concat(),

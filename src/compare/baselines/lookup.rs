@@ -1,9 +1,11 @@
 //! The lookups of all methods as text for a shader, and the bias of those that engines have.
 
 use super::{cube_lookup, vertex_warp};
+use serde::Serialize;
 
 /// A shadow lookup in WGSL.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Lookup {
     /// `dp_shadow`: four texels, each compared with the receiver's plane.
     Paraboloid,

@@ -5,9 +5,11 @@ use std::str::FromStr;
 
 use super::{CubeMultiview, Lookup};
 use crate::compare::gpu::Gpu;
+use serde::Serialize;
 
 /// A way to make a point light's shadow map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// This library.
     Paraboloid,
@@ -26,7 +28,8 @@ pub enum Method {
 }
 
 /// What is kept equal when maps of different shape are compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Budget {
     /// Texels across: a cube's face is as wide as one of the pair's maps.
     EqualSide,

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::culling::OrientedBox;
+use crate::Error;
 use crate::compare::scene::{Scene, SceneMesh};
 use crate::gpu::{self, Binding};
 use glam::{Affine3A, Vec3};
@@ -48,8 +49,10 @@ impl Placed {
 impl SceneBuffers {
     /// Uploads a scene. With `back_faces_culled`, triangles cast only on their front sides, as with
     /// [`Sides::Front`](crate::Sides::Front); else on both.
-    #[must_use]
-    pub fn new(device: &wgpu::Device, scene: &Scene, back_faces_culled: bool) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::CastersTooLarge`] if the device has no buffer that large.
+    pub fn new(device: &wgpu::Device, scene: &Scene, back_faces_culled: bool) -> Result<Self, Error> {
         let (positions, indices, meshes) = join_meshes(&scene.meshes);
         let boxes: Vec<_> = scene.meshes.iter().map(mesh_bounds).collect();
         // Meshes without triangles have no box and are left out.
@@ -62,20 +65,20 @@ impl SceneBuffers {
         placed.sort_by_key(|(placed, _)| (placed.mirrored, placed.mesh));
         let rows: Vec<[[f32; 4]; 3]> = placed.iter().map(|(_, transform)| rows(transform)).collect();
         let placed: Vec<Placed> = placed.into_iter().map(|(placed, _)| placed).collect();
-        let transforms = upload(device, "transforms", &rows, wgpu::BufferUsages::STORAGE);
+        let transforms = upload(device, "transforms", &rows, wgpu::BufferUsages::STORAGE)?;
         let layout = Self::layout(device);
         let group = gpu::bind_group(device, "compare::scene", &layout, &[transforms.as_entire_binding()]);
         let bounds = placed.iter().map(|placed| placed.bounds.world_bounds());
-        Self {
-            positions: upload(device, "positions", &positions, wgpu::BufferUsages::VERTEX),
-            indices: upload(device, "indices", &indices, wgpu::BufferUsages::INDEX),
+        Ok(Self {
+            positions: upload(device, "positions", &positions, wgpu::BufferUsages::VERTEX)?,
+            indices: upload(device, "indices", &indices, wgpu::BufferUsages::INDEX)?,
             transforms,
             group,
             meshes,
             bounds: bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default(),
             placed,
             back_faces_culled,
-        }
+        })
     }
 
     /// Layout of the group that holds the transforms.
@@ -161,15 +164,21 @@ fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
 /// A buffer with contents, of at least one element: empty ones can't be bound.
 fn upload<T: bytemuck::Pod>(
     device: &wgpu::Device,
-    what: &str,
+    what: &'static str,
     elements: &[T],
     usage: wgpu::BufferUsages,
-) -> wgpu::Buffer {
+) -> Result<wgpu::Buffer, Error> {
     let nothing = [T::zeroed()];
     let elements = if elements.is_empty() { &nothing } else { elements };
-    device.create_buffer_init(&BufferInitDescriptor {
+    let (needed, limits) = (size_of_val(elements) as u64, device.limits());
+    let is_bound = usage.contains(wgpu::BufferUsages::STORAGE);
+    let limit = if is_bound { limits.max_storage_buffer_binding_size } else { u64::MAX }.min(limits.max_buffer_size);
+    if needed > limit {
+        return Err(Error::CastersTooLarge { what, needed, limit });
+    }
+    Ok(device.create_buffer_init(&BufferInitDescriptor {
         label: Some(&format!("dual_paraboloid::compare::scene::{what}")),
         contents: bytemuck::cast_slice(elements),
         usage,
-    })
+    }))
 }

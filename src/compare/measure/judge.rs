@@ -1,11 +1,14 @@
 //! Errors of any method's map, by one rule.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
 use glam::Vec3;
 
 use super::Truth;
 use crate::compare::baselines::{Baseline, ConstantBias, DeviceScene, Lookup};
 use crate::compare::error_figures::{MapError, ShadowError, map_error};
-use crate::compare::gpu::Gpu;
+use crate::compare::gpu::{Evaluator, Gpu};
 use crate::compare::ideal::{IdealMap, MapGeometry};
 use crate::{Error, PointLight};
 
@@ -30,89 +33,133 @@ pub struct Judged {
     pub stored: Vec<f32>,
 }
 
-/// Records a method's map and judges what the lookup answers. `None` for a lookup that doesn't read the map.
-///
-/// The vertex warp gets the bias of [`BIASES`] with the fewest wrong answers, and keeps it. The cubes keep the bias they
-/// have. Wrong answers of a cube are far from a boundary by the texels of the pair with as many texels
-/// ([`pair_of_equal_texels`]).
-///
-/// # Errors
-/// [`Error::InvalidLight`].
-pub fn judge(
-    gpu: &Gpu,
-    baseline: &mut Baseline,
-    lookup: Lookup,
-    scene: &mut DeviceScene,
-    light: &PointLight,
-    truth: &Truth,
-) -> Result<Option<Judged>, Error> {
-    let mut trial = Trial { gpu, baseline, lookup, scene, light, truth, inputs: truth.inputs() };
-    let bias = if lookup == Lookup::VertexWarp { trial.find_bias()? } else { None };
-    let Some(values) = trial.answers()? else { return Ok(None) };
-    let baseline = trial.baseline;
-    let Some(shadows) = baseline.shadows() else {
-        let shadow = truth.judge(&values, &pair_of_equal_texels(baseline.texels()));
-        return Ok(Some(Judged { map: None, shadow, ideal: None, bias, stored: Vec::new() }));
-    };
-    let guard = f64::from(shadows.half_width()) - 1.0;
-    let geometry = MapGeometry { resolution: shadows.maps().height(), guard };
-    let (map, error) = truth.ideal(geometry, f64::from(shadows.depth_tolerance()));
-    let stored: Vec<f32> = gpu.read_texture(baseline.map(), 0);
-    Ok(Some(Judged {
-        map: Some(map_error(&stored, &map, &truth.reference, &truth.view)),
-        shadow: truth.judge(&values, &geometry),
-        ideal: Some((map, error)),
-        bias,
-        stored,
-    }))
+/// What a lookup answered at a truth's receivers.
+pub struct Answers {
+    /// From 0 (dark) to 1 (lit), one a receiver.
+    pub values: Vec<f32>,
+    /// The bias that was the best of [`BIASES`], in world units; the vertex warp's alone.
+    pub bias: Option<f32>,
+}
+
+/// Asks and judges lookups in the maps of one light of one scene.
+pub struct Judge<'a> {
+    gpu: &'a Gpu,
+    light: PointLight,
+    truth: &'a Truth,
+    inputs: Vec<(Vec3, Vec3)>,
+    /// Those that were needed so far: all maps that a lookup reads are bound alike.
+    evaluators: HashMap<Lookup, Evaluator>,
+}
+
+impl<'a> Judge<'a> {
+    /// For maps of the light that the truth is of.
+    #[must_use]
+    pub fn new(gpu: &'a Gpu, light: PointLight, truth: &'a Truth) -> Self {
+        Self { gpu, light, truth, inputs: truth.inputs(), evaluators: HashMap::new() }
+    }
+
+    /// The light.
+    #[must_use]
+    pub fn light(&self) -> &PointLight {
+        &self.light
+    }
+
+    /// The truth.
+    #[must_use]
+    pub fn truth(&self) -> &'a Truth {
+        self.truth
+    }
+
+    /// Records a method's map and judges what the lookup answers, as [`Self::answers`] has it. Wrong answers of a cube
+    /// are far from a boundary by the texels of the pair with as many texels ([`pair_of_equal_texels`]).
+    ///
+    /// # Errors
+    /// [`Error::InvalidLight`].
+    pub fn judge(
+        &mut self,
+        baseline: &mut Baseline,
+        lookup: Lookup,
+        scene: &mut DeviceScene,
+    ) -> Result<Option<Judged>, Error> {
+        let truth = self.truth;
+        let Some(Answers { values, bias }) = self.answers(baseline, lookup, scene)? else { return Ok(None) };
+        let Some(shadows) = baseline.shadows() else {
+            let shadow = truth.judge(&values, &pair_of_equal_texels(baseline.texels()));
+            return Ok(Some(Judged { map: None, shadow, ideal: None, bias, stored: Vec::new() }));
+        };
+        let guard = f64::from(shadows.half_width()) - 1.0;
+        let geometry = MapGeometry { resolution: shadows.maps().height(), guard };
+        let (map, error) = truth.ideal(geometry, f64::from(shadows.depth_tolerance()));
+        let stored: Vec<f32> = self.gpu.read_texture(baseline.map(), 0);
+        Ok(Some(Judged {
+            map: Some(map_error(&stored, &map, &truth.reference, &truth.view)),
+            shadow: truth.judge(&values, &geometry),
+            ideal: Some((map, error)),
+            bias,
+            stored,
+        }))
+    }
+
+    /// Records a method's map and asks the lookup. `None` for a lookup that doesn't read the map. The vertex warp gets
+    /// the bias of [`BIASES`] with the fewest wrong answers, and keeps it; the cubes keep the bias they have.
+    ///
+    /// # Errors
+    /// [`Error::InvalidLight`].
+    pub fn answers(
+        &mut self,
+        baseline: &mut Baseline,
+        lookup: Lookup,
+        scene: &mut DeviceScene,
+    ) -> Result<Option<Answers>, Error> {
+        let bias = if lookup == Lookup::VertexWarp { self.find_bias(baseline, scene)? } else { None };
+        Ok(self.ask(baseline, lookup, scene)?.map(|values| Answers { values, bias }))
+    }
+
+    /// Records the map as it is set, and asks the lookup.
+    fn ask(
+        &mut self,
+        baseline: &mut Baseline,
+        lookup: Lookup,
+        scene: &mut DeviceScene,
+    ) -> Result<Option<Vec<f32>>, Error> {
+        let Gpu { device, queue, .. } = self.gpu;
+        let mut recorded = Ok(());
+        self.gpu.submit(|encoder| recorded = baseline.record(device, queue, encoder, scene, &self.light));
+        recorded?;
+        let evaluator = match self.evaluators.entry(lookup) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(place) => match baseline.evaluator(self.gpu, lookup, &self.inputs) {
+                Some(evaluator) => place.insert(evaluator),
+                None => return Ok(None),
+            },
+        };
+        Ok(baseline.answers(self.gpu, evaluator))
+    }
+
+    /// Tries all biases of the vertex warp, and sets and returns the best.
+    fn find_bias(&mut self, baseline: &mut Baseline, scene: &mut DeviceScene) -> Result<Option<f32>, Error> {
+        let distances = self.inputs.iter().map(|(position, _)| position.distance(self.light.position));
+        let reach = distances.fold(0.0, f32::max);
+        let mut best: Option<(f64, f32)> = None;
+        for share in BIASES {
+            let depth = share * reach;
+            baseline.set_bias(ConstantBias { depth, normal: 0.0 });
+            let Some(values) = self.ask(baseline, Lookup::VertexWarp, scene)? else { return Ok(None) };
+            let wrong = self.truth.wrong_ppm(&values);
+            if best.is_none_or(|(least, _)| wrong < least) {
+                best = Some((wrong, depth));
+            }
+        }
+        let bias = best.map(|(_, depth)| depth);
+        baseline.set_bias(ConstantBias { depth: bias.unwrap_or_default(), normal: 0.0 });
+        Ok(bias)
+    }
 }
 
 /// The pair without guard bands that has about as many texels: itself for a pair, `sqrt(3) C` across for a cube of C.
 #[must_use]
 pub fn pair_of_equal_texels(texels: u64) -> MapGeometry {
     MapGeometry { resolution: ((texels as f64 / 2.0).sqrt().round() as u32).max(1), guard: 0.0 }
-}
-
-struct Trial<'a> {
-    gpu: &'a Gpu,
-    baseline: &'a mut Baseline,
-    lookup: Lookup,
-    scene: &'a mut DeviceScene,
-    light: &'a PointLight,
-    truth: &'a Truth,
-    inputs: Vec<(Vec3, Vec3)>,
-}
-
-impl Trial<'_> {
-    /// Records the map and asks the lookup.
-    fn answers(&mut self) -> Result<Option<Vec<f32>>, Error> {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let mut recorded = Ok(());
-        self.gpu.submit(|encoder| {
-            recorded = self.baseline.record(device, queue, encoder, self.scene, self.light);
-        });
-        recorded?;
-        Ok(self.baseline.shadow_values(self.gpu, self.lookup, &self.inputs))
-    }
-
-    /// Tries all biases, and sets and returns the best.
-    fn find_bias(&mut self) -> Result<Option<f32>, Error> {
-        let distances = self.inputs.iter().map(|(position, _)| position.distance(self.light.position));
-        let reach = distances.fold(0.0, f32::max);
-        let mut best: Option<(usize, f32)> = None;
-        for share in BIASES {
-            let depth = share * reach;
-            self.baseline.set_bias(ConstantBias { depth, normal: 0.0 });
-            let Some(values) = self.answers()? else { return Ok(None) };
-            let wrong = values.iter().zip(&self.truth.lit).filter(|&(&value, &lit)| (value >= 0.5) != lit).count();
-            if best.is_none_or(|(least, _)| wrong < least) {
-                best = Some((wrong, depth));
-            }
-        }
-        let bias = best.map(|(_, depth)| depth);
-        self.baseline.set_bias(ConstantBias { depth: bias.unwrap_or_default(), normal: 0.0 });
-        Ok(bias)
-    }
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! What is measured: a scene by name or file, and a light in it.
 
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
 use super::light_for;
 use crate::PointLight;
 use crate::compare::procedural;
-use crate::compare::scene::{Scene, SceneError, known_lights};
+use crate::compare::scene::{Scene, SceneError, known_lights, scene_files, scenes_dir};
 
 /// The names that [`find_scene`] knows; `N` is a number, with `k` or `m` for thousands or millions.
 pub const PROCEDURAL: &str = "hall, few-large, many-small, many-small-N, dense-N (say dense-1m), long-hall";
@@ -21,24 +21,66 @@ const MANY_SMALL: usize = 2000;
 /// # Errors
 /// Whatever [`Scene::load`] returns.
 pub fn find_scene(name: &str) -> Result<Scene, SceneError> {
-    match procedural_scene(name) {
-        Some(scene) => Ok(Scene { name: name.to_owned(), ..scene }),
+    match Procedural::parse(name) {
+        Some(procedural) => Ok(Scene { name: name.to_owned(), ..procedural.make() }),
         None => Scene::load(Path::new(name)),
     }
 }
 
-fn procedural_scene(name: &str) -> Option<Scene> {
-    match name {
-        "hall" => Some(procedural::hall()),
-        "few-large" => Some(procedural::few_large()),
-        "many-small" => Some(procedural::many_small(MANY_SMALL)),
-        "long-hall" => Some(procedural::long_hall()),
-        _ => {
-            if let Some(number) = name.strip_prefix("dense-") {
-                count(number).map(procedural::dense)
-            } else {
-                count(name.strip_prefix("many-small-")?).map(procedural::many_small)
-            }
+/// The scenes that are wanted, each by a name that [`find_scene`] takes: a procedural scene, a file, or part of the
+/// name of files in the folder of test scenes ([`scenes_dir`]).
+///
+/// # Errors
+/// [`SceneError::Read`] if that folder can't be read, or for a name that is none of these.
+pub fn select_scenes(wanted: &[String]) -> Result<Vec<String>, SceneError> {
+    let files = scenes_dir().map_or(Ok(Vec::new()), |folder| scene_files(&folder))?;
+    let mut names = Vec::new();
+    for part in wanted {
+        if Procedural::parse(part).is_some() || Path::new(part).is_file() {
+            names.push(part.clone());
+            continue;
+        }
+        let fits = |path: &&PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().contains(part));
+        let found: Vec<String> = files.iter().filter(fits).map(|path| path.to_string_lossy().into_owned()).collect();
+        if found.is_empty() {
+            let source = std::io::Error::new(std::io::ErrorKind::NotFound, "no such scene, made in code or in a file");
+            return Err(SceneError::Read { path: part.into(), source });
+        }
+        names.extend(found);
+    }
+    Ok(names)
+}
+
+/// A scene made in code, not made yet.
+enum Procedural {
+    Hall,
+    FewLarge,
+    ManySmall(usize),
+    Dense(usize),
+    LongHall,
+}
+
+impl Procedural {
+    fn parse(name: &str) -> Option<Self> {
+        match name {
+            "hall" => Some(Self::Hall),
+            "few-large" => Some(Self::FewLarge),
+            "many-small" => Some(Self::ManySmall(MANY_SMALL)),
+            "long-hall" => Some(Self::LongHall),
+            _ => match name.strip_prefix("dense-") {
+                Some(number) => count(number).map(Self::Dense),
+                None => count(name.strip_prefix("many-small-")?).map(Self::ManySmall),
+            },
+        }
+    }
+
+    fn make(self) -> Scene {
+        match self {
+            Self::Hall => procedural::hall(),
+            Self::FewLarge => procedural::few_large(),
+            Self::ManySmall(objects) => procedural::many_small(objects),
+            Self::Dense(triangles) => procedural::dense(triangles),
+            Self::LongHall => procedural::long_hall(),
         }
     }
 }
@@ -106,8 +148,16 @@ mod tests {
             let scene = find_scene(name).expect("a procedural scene");
             assert_eq!((scene.name.as_str(), scene.triangle_count()), (name, triangles));
         }
-        assert!(procedural_scene("dense-").is_none() && procedural_scene("dense-0").is_none());
+        assert!(["dense-", "dense-0", "many-small-"].iter().all(|name| Procedural::parse(name).is_none()));
         assert!(find_scene("no such scene").is_err());
+    }
+
+    #[test]
+    fn selected_scenes_are_made_in_code_or_found() {
+        let wanted = ["dense-1m", "hall"].map(str::to_owned);
+        assert_eq!(select_scenes(&wanted).unwrap(), wanted);
+        let error = select_scenes(&["no such scene".to_owned()]).unwrap_err().to_string();
+        assert!(error.contains("no such scene"), "{error}");
     }
 
     #[test]

@@ -1,0 +1,82 @@
+//! The command line.
+
+use clap::Parser;
+use dual_paraboloid::compare::baselines::Method;
+use dual_paraboloid::compare::cost::Rule;
+use dual_paraboloid::compare::measure::select_scenes;
+use dual_paraboloid::compare::scene::{SceneError, scene_files, scenes_dir};
+use std::path::PathBuf;
+
+/// Cost against error: this library and other ways to make a point light's shadow map.
+#[derive(Parser)]
+#[command(name = "cost_vs_error")]
+pub struct Arguments {
+    /// Scenes, separated by commas: made in code (hall, few-large, many-small, many-small-N, dense-N, long-hall),
+    /// files, or parts of the names of files in `DP_SCENES`. Without it, those of the comparison and all files
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub scenes: Vec<String>,
+    /// Texels across each map of the pair, separated by commas; 256, 512, 1024 and 2048 without it. There are cubes
+    /// as wide, and cubes with as many texels in all
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    pub resolution: Vec<u32>,
+    /// Methods, separated by commas; all without it
+    #[arg(long, value_name = "METHOD", value_delimiter = ',', default_values_t = Method::ALL)]
+    pub methods: Vec<Method>,
+    /// Which sides cast, separated by commas
+    #[arg(long, value_name = "RULE", value_delimiter = ',', default_values = ["double-sided", "culled"])]
+    pub rules: Vec<Rule>,
+    /// Points of each scene to ask for their shadow
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..))]
+    pub samples: u32,
+    /// Number that the points are drawn with
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// How often to make each map for the time it takes
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
+    pub runs: u32,
+    /// How long that may take for each scene and resolution; then there are fewer runs, but at least five
+    #[arg(long, value_name = "SECONDS", default_value_t = 4)]
+    pub seconds: u32,
+    /// Write the report and its pictures to a folder
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Write all figures
+    #[arg(long, value_name = "FILE.json")]
+    pub json: Option<PathBuf>,
+    /// Only see whether everything works: two small scenes, tiny maps, few points, one run
+    #[arg(long)]
+    pub quick: bool,
+    /// What cargo says to a benchmark.
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// The scenes of the comparison that are made in code.
+const PROCEDURAL: [&str; 7] = ["few-large", "many-small", "long-hall", "hall", "dense-1m", "dense-4m", "dense-17m"];
+
+impl Arguments {
+    /// The command line, filled in.
+    pub fn read() -> Self {
+        let mut arguments = Self::parse();
+        if arguments.resolution.is_empty() {
+            arguments.resolution = if arguments.quick { vec![32, 64] } else { vec![256, 512, 1024, 2048] };
+        }
+        if !arguments.quick {
+            return arguments;
+        }
+        if arguments.scenes.is_empty() {
+            arguments.scenes = ["few-large", "many-small-20"].map(str::to_owned).to_vec();
+        }
+        Self { samples: 500, runs: 1, ..arguments }
+    }
+
+    /// The names of the scenes, for [`find_scene`](dual_paraboloid::compare::measure::find_scene).
+    pub fn scene_names(&self) -> Result<Vec<String>, SceneError> {
+        if !self.scenes.is_empty() {
+            return select_scenes(&self.scenes);
+        }
+        let files = scenes_dir().map_or(Ok(Vec::new()), |folder| scene_files(&folder))?;
+        let files = files.into_iter().map(|path| path.to_string_lossy().into_owned());
+        Ok(PROCEDURAL.map(str::to_owned).into_iter().chain(files).collect())
+    }
+}

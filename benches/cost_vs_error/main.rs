@@ -1,0 +1,168 @@
+//! Cost against error: this library and other ways to make a point light's shadow map, over scenes and resolutions.
+//!
+//! `cargo bench --bench cost_vs_error`, or `./dev bench`; `-- --help` says what can be chosen.
+
+mod arguments;
+mod figures;
+mod pictures;
+mod report;
+
+use anyhow::{Context, bail, ensure};
+use arguments::Arguments;
+use dual_paraboloid::compare::baselines::{Budget, DeviceScene, Method};
+use dual_paraboloid::compare::cost::{Plan, Rule, SceneCosts, Subject};
+use dual_paraboloid::compare::gpu::Gpu;
+use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene};
+use dual_paraboloid::compare::scene::Scene;
+use dual_paraboloid::compare::text::one_line;
+use dual_paraboloid::compare::timing::Timer;
+use figures::{Figures, main_resolution};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+fn main() -> ExitCode {
+    match run(&Arguments::read()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("cost_vs_error: {}", one_line(format!("{error:#}")));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let names = arguments.scene_names()?;
+    let features =
+        wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS | wgpu::Features::MULTIVIEW;
+    let gpu = Gpu::new(features)?;
+    let most = gpu.most_receivers();
+    ensure!(u64::from(arguments.samples) <= most, "--samples can be {most} at most on {}", gpu.name());
+    if let Some(folder) = &arguments.out {
+        std::fs::create_dir_all(folder).with_context(|| format!("can't make the folder {}", folder.display()))?;
+    }
+    let timer = Timer::new(&gpu);
+    let (plan, left_out) = plan(arguments, &gpu);
+    let mut figures = Figures {
+        adapter: gpu.name(),
+        clock: timer.clock(),
+        samples: arguments.samples,
+        seed: arguments.seed,
+        runs: arguments.runs,
+        resolutions: arguments.resolution.clone(),
+        main: main_resolution(&arguments.resolution),
+        scenes: Vec::new(),
+        left_out,
+    };
+    eprintln!("{} scenes on {} (times: {})", names.len(), gpu.name(), timer.clock());
+    let bar = progress(names.len() * arguments.rules.len() * arguments.resolution.len());
+    let bench = Bench { arguments, gpu: &gpu, timer: &timer, plan, bar };
+    for name in &names {
+        bench.measure(name, &mut figures)?;
+    }
+    bench.bar.finish_and_clear();
+    if figures.scenes.is_empty() {
+        bail!("nothing could be measured: {}", figures.left_out.join("; "));
+    }
+    write(arguments, &figures)
+}
+
+/// What is measured at each resolution, and which methods the device can't do.
+fn plan(arguments: &Arguments, gpu: &Gpu) -> (Plan, Vec<String>) {
+    let (methods, others): (Vec<Method>, Vec<Method>) =
+        arguments.methods.iter().partition(|method| method.is_available(gpu));
+    let left_out = others.iter().map(|method| format!("{method}: it can't be made, or not right, on {}", gpu.name()));
+    let plan = Plan {
+        methods,
+        budgets: vec![Budget::EqualTexels, Budget::EqualSide],
+        runs: arguments.runs as usize,
+        most: Duration::from_secs(arguments.seconds.into()),
+    };
+    (plan, left_out.collect())
+}
+
+/// What all scenes are measured with.
+struct Bench<'a> {
+    arguments: &'a Arguments,
+    gpu: &'a Gpu,
+    timer: &'a Timer<'a>,
+    plan: Plan,
+    bar: ProgressBar,
+}
+
+impl Bench<'_> {
+    /// Measures a scene under all rules. What the device can't do is left out, and `figures` says so.
+    fn measure(&self, name: &str, figures: &mut Figures) -> anyhow::Result<()> {
+        self.bar.set_message(format!("{name}: the scene"));
+        let scene = find_scene(name)?;
+        for &rule in &self.arguments.rules {
+            let started = Instant::now();
+            match self.gpu.attempt(|| self.costs(&scene, rule)).map_err(Into::into).and_then(|costs| costs) {
+                Ok(costs) => {
+                    let seconds = started.elapsed().as_secs_f64();
+                    self.bar.suspend(|| eprintln!("{}, {rule}: measured in {seconds:.1} s", costs.scene));
+                    let of = |what| format!("{}, {rule}: {what}", costs.scene);
+                    figures.left_out.extend(costs.left_out.iter().map(of));
+                    figures.scenes.push(costs);
+                }
+                Err(error) => {
+                    let why = one_line(format!("{error:#}"));
+                    self.bar.suspend(|| eprintln!("{}, {rule}: left out: {why}", scene.name));
+                    figures.left_out.push(format!("{}, {rule}: {why}", scene.name));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn costs(&self, scene: &Scene, rule: Rule) -> anyhow::Result<SceneCosts> {
+        let message = |what: &str| self.bar.set_message(format!("{}, {rule}: {what}", scene.name));
+        let (light, _) = choose_light(scene, None, None);
+        message("casters");
+        let casters = DeviceScene::new(&self.gpu.device, scene, rule.sides())?;
+        message("the truth");
+        let (samples, seed) = (self.arguments.samples as usize, self.arguments.seed);
+        let truth = Truth::with_sides(scene, &light, rule.sides(), samples, seed);
+        ensure!(!truth.receivers.is_empty(), "its light reaches no surface");
+        let judge = Judge::new(self.gpu, light, &truth);
+        let mut subject = Subject { gpu: self.gpu, timer: self.timer, casters, judge };
+        let (mut costs, mut left_out) = (Vec::new(), Vec::new());
+        for &pair in &self.arguments.resolution {
+            message(&format!("R = {pair}"));
+            let (more, without) = subject.costs(&self.plan, pair)?;
+            costs.extend(more);
+            left_out.extend(without);
+            self.bar.inc(1);
+        }
+        Ok(SceneCosts { scene: scene.name.clone(), triangles: scene.triangle_count(), rule, costs, left_out })
+    }
+}
+
+/// A bar on stderr; indicatif shows it on a terminal only.
+fn progress(steps: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {elapsed}  {msg}");
+    let bar = ProgressBar::new(steps as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// Prints the summary, and writes what was asked for.
+fn write(arguments: &Arguments, figures: &Figures) -> anyhow::Result<()> {
+    let summary = report::summary(figures);
+    println!("{summary}");
+    if let Some(path) = &arguments.json {
+        write_file(path, &format!("{:#}\n", figures.to_json()))?;
+    }
+    if let Some(folder) = &arguments.out {
+        let pictures = pictures::write_all(folder, figures)?;
+        let links: String = pictures.iter().map(|name| format!("\n![{name}]({name})\n")).collect();
+        write_file(&folder.join("report.md"), &format!("{summary}{links}{}", report::details(figures)))?;
+        println!("written to {}: report.md, {}", folder.display(), pictures.join(", "));
+    }
+    Ok(())
+}
+
+fn write_file(path: &Path, text: &str) -> anyhow::Result<()> {
+    std::fs::write(path, text).with_context(|| format!("can't write {}", path.display()))
+}

@@ -1,0 +1,100 @@
+//! The benchmarks as they are run, cut short: that they work and write what they say, not how fast anything is.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Where a test writes; under the build's own folder, and empty.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("benches").join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Runs a benchmark, and returns its success and what it printed and complained about.
+fn bench(name: &str, arguments: &[&str]) -> (bool, String, String) {
+    let profile = if cfg!(debug_assertions) { "dev" } else { "release" };
+    let mut command = Command::new(env!("CARGO"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(["bench", "--quiet", "--profile", profile, "--bench", name]);
+    let output = command.arg("--").args(arguments).output().expect("cargo doesn't start");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.success(), text(&output.stdout), text(&output.stderr))
+}
+
+#[test]
+fn cost_against_error_in_a_hurry() {
+    let out = folder("cost_vs_error");
+    let json = out.join("figures.json");
+    let (success, printed, said) =
+        bench("cost_vs_error", &["--quick", "--out", out.to_str().unwrap(), "--json", json.to_str().unwrap()]);
+    assert!(success && !said.contains("panicked"), "{said}");
+    let report = std::fs::read_to_string(out.join("report.md")).unwrap();
+    for title in ["# Cost against error", "## Ratios, all casters double-sided", "## Stages, back faces culled"] {
+        assert!(printed.contains(title) && report.contains(title), "{title} is missing in:\n{printed}");
+    }
+    for picture in ["error-time", "time-resolution", "time-triangles", "stages"] {
+        for rule in ["double-sided", "culled"] {
+            let name = format!("{picture}-{rule}.svg");
+            let svg = std::fs::read_to_string(out.join(&name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert!(svg.starts_with("<svg") && svg.contains("this library") | svg.contains("route"), "{name}");
+            assert!(report.contains(&format!("({name})")), "{name}");
+        }
+    }
+    let figures: Value = serde_json::from_slice(&std::fs::read(json).unwrap()).unwrap();
+    let scenes = figures["scenes"].as_array().expect("a list of scenes");
+    assert_eq!(scenes.len(), 4, "two scenes under two rules");
+    scenes.iter().for_each(check_costs);
+}
+
+/// Every method at two resolutions, cubes in two sizes at each.
+fn check_costs(scene: &Value) {
+    let costs = scene["costs"].as_array().expect("a list of costs");
+    for (method, count) in [
+        ("paraboloid", 2),
+        ("vertex-warp", 2),
+        ("depth-view", 2),
+        ("cube", 4),
+        ("cube-unculled", 4),
+        ("cube-routed", 4),
+    ] {
+        let of: Vec<&Value> = costs.iter().filter(|cost| cost["method"] == method).collect();
+        assert_eq!(of.len(), count, "{method} in {}", scene["scene"]);
+        for cost in of {
+            assert!(cost["gpu"]["ms_median"].as_f64() > Some(0.0), "{cost}");
+            assert!(cost["cpu"]["ms_median"].as_f64() > Some(0.0), "{cost}");
+            let errors = cost["errors"].as_array().expect("a list of errors").len();
+            let lookups = if method.starts_with("cube") { 2 } else { usize::from(method != "depth-view") };
+            assert_eq!(errors, lookups, "{cost}");
+            assert_eq!(cost["stages"].is_null(), method != "paraboloid", "{cost}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_measured_is_one_line() {
+    let (success, _, said) = bench("cost_vs_error", &["--scenes", "no such scene"]);
+    let lines: Vec<&str> = said.lines().filter(|line| line.starts_with("cost_vs_error: ")).collect();
+    assert!(!success && lines.len() == 1 && lines[0].contains("no such scene"), "{said}");
+    // A map wider than any device has: left out, and said so.
+    let arguments = ["--quick", "--resolution", "64,1000000", "--rules", "culled", "--scenes", "few-large"];
+    let (success, printed, said) = bench("cost_vs_error", &arguments);
+    assert!(success && printed.contains("the resolution of paraboloid is 1000000"), "{said}\n{printed}");
+}
+
+#[test]
+fn lookups_in_a_hurry() {
+    let out = folder("lookup").join("table.md");
+    let (success, printed, said) = bench("lookup", &["--quick", "--out", out.to_str().unwrap()]);
+    assert!(success && !said.contains("panicked"), "{said}");
+    let table = std::fs::read_to_string(out).unwrap();
+    for text in ["few-large", "dp_shadow, 2x2 gathered", "cube, 2x2 by hardware", "nothing"] {
+        assert!(printed.contains(text) && table.contains(text), "{text} is missing in:\n{printed}");
+    }
+}
+
+#[test]
+fn recording_once() {
+    let (success, printed, said) = bench("recording", &["--test"]);
+    assert!(success && printed.contains("100000"), "{said}\n{printed}");
+}
