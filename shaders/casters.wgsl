@@ -11,7 +11,8 @@ struct ChunkSource {
     pieces_min: vec3<f32>,
     instance: u32,
     pieces_max: vec3<f32>,
-    padding: u32,
+    // Cone of normals in the mesh's space: axis and sine, as four signed bytes; a sine of 1 for none.
+    normals: u32,
 }
 
 // What the transform finds out about a chunk, in world space.
@@ -25,10 +26,21 @@ struct ChunkBounds {
     padding_1: u32,
     pieces_max: vec3<f32>,
     padding_2: u32,
+    // Cone that holds the normals of the chunk's triangles and of their neighbours: its axis, and the sine of its angle;
+    // 1 for none.
+    normals_axis: vec3<f32>,
+    normals_sine: f32,
 }
 
 const CULL_CLOSED: u32 = 1u;
 const CULL_ALWAYS: u32 = 2u;
+
+// Whether everything in a chunk, and what shares a vertex with it, surely faces away from a point.
+fn faces_away(bounds: ChunkBounds, point: vec3<f32>) -> bool {
+    let to_centre = 0.5 * (bounds.min + bounds.max) - point;
+    let radius = 0.5 * length(bounds.max - bounds.min);
+    return dot(to_centre, bounds.normals_axis) > bounds.normals_sine * length(to_centre) + radius;
+}
 
 fn vertex_count(source: ChunkSource) -> u32 {
     return source.counts & 0x1ffu;

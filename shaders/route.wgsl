@@ -44,7 +44,8 @@ fn route(
     @builtin(local_invocation_index) thread: u32,
 ) {
     for (var chunk = view.first_chunk + group.x; chunk < view.end_chunk; chunk += groups.x) {
-        let hemispheres = hemispheres_of(chunk);
+        let dropped = culling_rule(chunk) != 0u && faces_away(chunk_bounds[chunk], view.position);
+        let hemispheres = select(hemispheres_of(chunk), 0u, dropped);
         for (var hemisphere = 0u; hemisphere < 2u; hemisphere += 1u) {
             if (hemispheres & (1u << hemisphere)) != 0u {
                 route_chunk(chunk, hemisphere, thread);

@@ -66,6 +66,7 @@ fn transform_chunk(chunk: u32, thread: u32) {
         );
         // Wider than exact, since the box of the pieces is transformed and not the pieces.
         let slack = 1e-5 * (abs(middle) + reach);
+        let normals = cone_in_world(source, row_x.xyz, row_y.xyz, row_z.xyz);
         chunk_bounds[chunk] = ChunkBounds(
             lowest[0],
             sign(dot(row_x.xyz, cross(row_y.xyz, row_z.xyz))),
@@ -75,6 +76,21 @@ fn transform_chunk(chunk: u32, thread: u32) {
             0u,
             middle + reach + slack,
             0u,
+            normals.xyz,
+            normals.w,
         );
     }
+}
+
+// Axis and sine of a chunk's cone of normals. None for transforms that change angles, since the cone isn't one then.
+fn cone_in_world(source: ChunkSource, row_x: vec3<f32>, row_y: vec3<f32>, row_z: vec3<f32>) -> vec4<f32> {
+    let cone = unpack4x8snorm(source.normals);
+    let squares = vec3<f32>(dot(row_x, row_x), dot(row_y, row_y), dot(row_z, row_z));
+    let products = abs(vec3<f32>(dot(row_x, row_y), dot(row_y, row_z), dot(row_z, row_x)));
+    let unequal = max(abs(squares.x - squares.y), abs(squares.y - squares.z));
+    let keeps_angles = max(unequal, max(products.x, max(products.y, products.z))) <= 1e-3 * squares.x;
+    let axis = vec3<f32>(dot(row_x, cone.xyz), dot(row_y, cone.xyz), dot(row_z, cone.xyz));
+    let size = length(axis);
+    let known = keeps_angles && size > 0.0;
+    return select(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec4<f32>(axis / size, cone.w), known);
 }

@@ -104,7 +104,8 @@ pub(crate) struct ChunkSource {
     pub(crate) pieces_min: Vec3,
     pub(crate) instance: u32,
     pub(crate) pieces_max: Vec3,
-    pub(crate) padding: u32,
+    /// The cone of normals, see [`Cone`](crate::cone::Cone).
+    pub(crate) normals: u32,
 }
 
 /// What moved, came or went: the bounds before and after, whichever there were.
@@ -118,7 +119,7 @@ pub(crate) struct Change {
 const REMEMBERED_CHANGES: usize = 1 << 16;
 
 /// Bytes of `ChunkBounds` in `shaders/casters.wgsl`.
-const CHUNK_BOUNDS_SIZE: u64 = 64;
+const CHUNK_BOUNDS_SIZE: u64 = 80;
 
 /// The shadow casters of a scene. Shared by any number of [`PointShadows`](crate::PointShadows).
 ///
@@ -410,7 +411,7 @@ fn chunk_source(mesh: &Mesh, chunk: &Chunk, first_vertex: u32, instance: u32) ->
         pieces_min: pieces.min,
         instance,
         pieces_max: pieces.max,
-        padding: 0,
+        normals: chunk.normals.0,
     }
 }
 

@@ -2,6 +2,7 @@
 //! with the closed pieces of the mesh found and turned outward.
 
 use crate::casters::{CasterMesh, Indices, Sides};
+use crate::cone::Cone;
 use glam::{DVec3, Vec3};
 
 /// Most triangles and most vertices in a chunk: a corner of a triangle is then one byte.
@@ -53,6 +54,9 @@ pub(crate) struct Chunk {
     pub(crate) culling: Culling,
     /// Bounds of all pieces that the chunk has triangles of.
     pub(crate) pieces: Bounds,
+    /// The normals of the chunk's triangles and, if their back faces may only be dropped where no front face is near,
+    /// of those that share a vertex with them.
+    pub(crate) normals: Cone,
 }
 
 /// A mesh cut into chunks.
@@ -104,6 +108,7 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
     cutter.cut(closed);
     cutter.cut(open);
     cutter.mark_shared();
+    cutter.bound_normals();
     for &position in &cutter.out.positions {
         cutter.out.bounds.extend(position);
     }
@@ -243,6 +248,38 @@ struct Cutter<'a> {
     out: ChunkedMesh,
 }
 
+/// The triangles around each vertex.
+struct Around {
+    /// Where each vertex's run begins.
+    starts: Vec<u32>,
+    triangles: Vec<u32>,
+}
+
+impl Around {
+    fn new(corners: &[[u32; 3]], vertices: usize) -> Self {
+        let mut starts = vec![0; vertices + 1];
+        for &vertex in corners.iter().flatten() {
+            starts[vertex as usize] += 1;
+        }
+        let mut sum = 0;
+        for start in &mut starts {
+            sum += *start;
+            *start = sum;
+        }
+        let mut triangles = vec![0; 3 * corners.len()];
+        for (t, &vertex) in corners.iter().enumerate().flat_map(|(t, c)| c.iter().map(move |v| (t, v))) {
+            starts[vertex as usize] -= 1;
+            triangles[starts[vertex as usize] as usize] = t as u32;
+        }
+        Self { starts, triangles }
+    }
+
+    fn triangles(&self, vertex: u32) -> &[u32] {
+        let run = &self.starts[vertex as usize..][..2];
+        &self.triangles[run[0] as usize..run[1] as usize]
+    }
+}
+
 /// A vertex of several chunks.
 const SHARED: u32 = u32::MAX - 1;
 
@@ -321,8 +358,36 @@ impl Cutter<'_> {
             triangle_count: triangles.len() as u32,
             culling,
             pieces,
+            normals: Cone::NONE,
         });
         true
+    }
+
+    /// Finds the cones of normals of the chunks whose back faces may be dropped.
+    fn bound_normals(&mut self) {
+        let culled = |chunk: &&Chunk| chunk.culling != Culling::None;
+        let corners: Vec<[u32; 3]> = self.out.chunks.iter().filter(culled).flat_map(|c| self.welded_corners(c)).collect();
+        let around = Around::new(&corners, self.positions.len());
+        let normal = |t: usize| {
+            let [a, b, c] = corners[t].map(|v| self.positions[v as usize].as_dvec3());
+            (b - a).cross(c - a).normalize_or_zero().as_vec3()
+        };
+        let normals: Vec<Vec3> = (0..corners.len()).map(normal).collect();
+        let mut first = 0;
+        for chunk in self.out.chunks.iter_mut().filter(|chunk| chunk.culling != Culling::None) {
+            let own = first..first + chunk.triangle_count as usize;
+            first = own.end;
+            let seen = corners[own].iter().flatten().flat_map(|&v| around.triangles(v));
+            chunk.normals = Cone::new(seen.map(|&t| normals[t as usize]));
+        }
+    }
+
+    /// The triangles of a chunk by their welded vertices.
+    fn welded_corners(&self, chunk: &Chunk) -> impl Iterator<Item = [u32; 3]> + use<'_> {
+        let (first, vertex) = (chunk.first_triangle as usize, chunk.first_vertex);
+        self.out.triangles[first..first + chunk.triangle_count as usize]
+            .iter()
+            .map(move |packed| [0, 8, 16].map(|shift| self.welded[(vertex + (packed >> shift & 0xff)) as usize]))
     }
 
     /// Marks the corners that other chunks have too.

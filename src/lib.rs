@@ -63,6 +63,7 @@
 mod arena;
 mod casters;
 mod chunks;
+mod cone;
 #[cfg(feature = "compare")]
 pub mod compare;
 mod demand;

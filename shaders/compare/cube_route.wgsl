@@ -65,7 +65,8 @@ fn cube_route(
     @builtin(local_invocation_index) thread: u32,
 ) {
     for (var chunk = view.first_chunk + group.x; chunk < view.end_chunk; chunk += groups.x) {
-        let faces = faces_of(chunk);
+        let dropped = culling_rule(chunk) != 0u && faces_away(chunk_bounds[chunk], view.position);
+        let faces = select(faces_of(chunk), 0u, dropped);
         for (var face = 0u; face < 6u; face += 1u) {
             if (faces & (1u << face)) != 0u {
                 route_chunk(chunk, face, thread);
