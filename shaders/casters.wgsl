@@ -1,5 +1,12 @@
 // The casters' store as the stages read it; twin of the structs in src/casters.rs.
 
+// A vertex in the mesh's space or the world's.
+struct CasterVertex {
+    position: vec3<f32>,
+    // Cone of the normals of all triangles around it: axis and sine, as four signed bytes; a sine of 1 for none.
+    normals: u32,
+}
+
 // Where a chunk of an instance has its data.
 struct ChunkSource {
     local_vertex: u32,
@@ -34,6 +41,14 @@ struct ChunkBounds {
 
 const CULL_CLOSED: u32 = 1u;
 const CULL_ALWAYS: u32 = 2u;
+
+// Whether all triangles around a vertex surely face away from a point.
+fn all_face_away(vertex: CasterVertex, point: vec3<f32>) -> bool {
+    let to_vertex = vertex.position - point;
+    let cone = unpack4x8snorm(vertex.normals);
+    // The axis is a unit vector within a hundredth.
+    return dot(to_vertex, cone.xyz) > 1.01 * cone.w * length(to_vertex);
+}
 
 // Whether everything in a chunk, and what shares a vertex with it, surely faces away from a point.
 fn faces_away(bounds: ChunkBounds, point: vec3<f32>) -> bool {

@@ -3,7 +3,7 @@
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> lists: array<u32>;
-@group(0) @binding(2) var<storage, read> positions: array<f32>;
+@group(0) @binding(2) var<storage, read> vertices: array<CasterVertex>;
 
 override HEMISPHERE: u32 = 0u;
 
@@ -45,9 +45,8 @@ fn map_bounds(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> vec4<f32> {
 }
 
 fn hemisphere_position(entry: u32) -> vec3<f32> {
-    let at = 3u * (entry & VERTEX_MASK);
-    let world = vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);
-    return dp_to_hemisphere(light_space(world - view.position), HEMISPHERE == 1u);
+    let relative = vertices[entry & VERTEX_MASK].position - view.position;
+    return hemisphere_space(relative, HEMISPHERE);
 }
 
 @fragment

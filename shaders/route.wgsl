@@ -6,7 +6,7 @@
 @group(0) @binding(2) var<storage, read> chunk_sources: array<ChunkSource>;
 @group(0) @binding(3) var<storage, read> chunk_bounds: array<ChunkBounds>;
 @group(0) @binding(4) var<storage, read> triangles: array<u32>;
-@group(0) @binding(5) var<storage, read> positions: array<f32>;
+@group(0) @binding(5) var<storage, read> vertices: array<CasterVertex>;
 // A part for each hemisphere: what to draw from the front on, what to split from the end on.
 @group(0) @binding(6) var<storage, read_write> lists: array<u32>;
 
@@ -17,8 +17,6 @@ override THREADS: u32 = 256u;
 const DROP: u32 = 0u;
 const DRAW: u32 = 1u;
 const SPLIT: u32 = 2u;
-// Faces away in a closed piece: dropped unless it is next to one that doesn't.
-const BACK: u32 = 3u;
 const KIND_MASK: u32 = 3u;
 const CULL_SHIFT: u32 = 2u;
 const PLACE_SHIFT: u32 = 4u;
@@ -26,12 +24,11 @@ const PLACE_SHIFT: u32 = 4u;
 // split, which cuts what is above the whole, never cuts the neighbour's side of such an edge, however it rounds.
 const WHOLE_SHARE: f32 = 0.375;
 
-var<workgroup> corners: array<vec3<f32>, 256>;
+// Map coordinates, signed w, and 1 where all triangles around the vertex face away, else 0.
+var<workgroup> corners: array<vec4<f32>, 256>;
 // Of each triangle its kind in bits 0-1, its list entry's cull flags in 2-3, and from bit 4 on its place among those of
 // its kind.
 var<workgroup> fates: array<u32, 256>;
-// Bit v: a triangle of the chunk that doesn't surely face away has the vertex v.
-var<workgroup> turned: array<atomic<u32>, 8>;
 var<workgroup> draw_count: atomic<u32>;
 var<workgroup> split_count: atomic<u32>;
 var<workgroup> draw_base: u32;
@@ -96,13 +93,10 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
         atomicStore(&draw_count, 0u);
         atomicStore(&split_count, 0u);
     }
-    for (var i = thread; i < 8u; i += THREADS) {
-        atomicStore(&turned[i], 0u);
-    }
     for (var v = thread; v < vertex_count(source); v += THREADS) {
-        let at = 3u * (source.vertex + v);
-        let world = vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);
-        corners[v] = project_corner(hemisphere_space(world - view.position, hemisphere));
+        let vertex = vertices[source.vertex + v];
+        let corner = project_corner(hemisphere_space(vertex.position - view.position, hemisphere));
+        corners[v] = vec4<f32>(corner, select(0.0, 1.0, all_face_away(vertex, view.position)));
     }
     workgroupBarrier();
 
@@ -110,22 +104,7 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     // A face turned to the light is clockwise in the map, since (u, v) is seen from the other side.
     let cull = select(0.0, chunk_bounds[chunk].handedness, rule != 0u);
     for (var t = thread; t < triangle_count(source); t += THREADS) {
-        let local = corners_of(triangles[source.triangle + t]);
-        let fate = fate_of(local, rule, cull);
-        fates[t] = fate;
-        if rule == CULL_CLOSED && (fate & KIND_MASK) != BACK {
-            mark_turned(local.x);
-            mark_turned(local.y);
-            mark_turned(local.z);
-        }
-    }
-    workgroupBarrier();
-
-    for (var t = thread; t < triangle_count(source); t += THREADS) {
-        var fate = fates[t];
-        if (fate & KIND_MASK) == BACK {
-            fate = fate_of_back(triangles[source.triangle + t]);
-        }
+        var fate = fate_of(corners_of(triangles[source.triangle + t]), rule, cull);
         if (fate & KIND_MASK) == DRAW {
             fate |= atomicAdd(&draw_count, 1u) << PLACE_SHIFT;
         } else if (fate & KIND_MASK) == SPLIT {
@@ -168,9 +147,9 @@ fn corners_of(packed: u32) -> vec3<u32> {
 // What becomes of a triangle, as `fates` has it without the place. `cull` is the sign of the map area of triangles that
 // face away, 0 if that doesn't matter.
 fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
-    let a = corners[local.x];
-    let b = corners[local.y];
-    let c = corners[local.z];
+    let a = corners[local.x].xyz;
+    let b = corners[local.y].xyz;
+    let c = corners[local.z].xyz;
     if is_outside(a, b, c) {
         return DROP;
     }
@@ -181,8 +160,11 @@ fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
         let culls = select(0u, select(1u, 2u, cull < 0.0), rule == CULL_ALWAYS);
         return SPLIT | (culls << CULL_SHIFT);
     }
-    if is_culled(a.xy, b.xy, c.xy, cull) {
-        return select(DROP, BACK, rule == CULL_CLOSED);
+    // At a silhouette front and back meet, and the rasteriser's snapping decides which is nearer: there the back faces of
+    // closed pieces are kept.
+    let hidden = rule == CULL_ALWAYS || corners[local.x].w * corners[local.y].w * corners[local.z].w == 1.0;
+    if hidden && is_culled(a.xy, b.xy, c.xy, cull) {
+        return DROP;
     }
     return select(DRAW, DROP, REJECT && is_between_texels(a.xy, b.xy, c.xy));
 }
@@ -190,28 +172,6 @@ fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
 // Hemisphere space again.
 fn unprojected(corner: vec3<f32>) -> vec3<f32> {
     return dp_unproject_scaled(corner.xy) * abs(corner.z);
-}
-
-fn mark_turned(vertex: u32) {
-    atomicOr(&turned[vertex / 32u], 1u << (vertex % 32u));
-}
-
-fn is_turned(vertex: u32) -> bool {
-    return (atomicLoad(&turned[vertex / 32u]) & (1u << (vertex % 32u))) != 0u;
-}
-
-// At a silhouette front and back meet, and the rasteriser's snapping decides which is nearer: there back faces are
-// kept. So are those next to another chunk, about which nothing is known here.
-fn fate_of_back(packed: u32) -> u32 {
-    let local = corners_of(packed);
-    let shared_corners = packed >> 24u;
-    if shared_corners == 0u && !is_turned(local.x) && !is_turned(local.y) && !is_turned(local.z) {
-        return DROP;
-    }
-    let a = corners[local.x].xy;
-    let b = corners[local.y].xy;
-    let c = corners[local.z].xy;
-    return select(DRAW, DROP, is_between_texels(a, b, c));
 }
 
 fn write_entry(at: u32, entry: vec3<u32>) {

@@ -12,7 +12,7 @@
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read_write> arguments: Arguments;
 @group(0) @binding(2) var<storage, read_write> lists: array<u32>;
-@group(0) @binding(3) var<storage, read> positions: array<f32>;
+@group(0) @binding(3) var<storage, read> vertices: array<CasterVertex>;
 // Three corners a piece, relative to the light, each with the piece's depth shift; a part for each hemisphere.
 @group(0) @binding(4) var<storage, read_write> pieces: array<vec4<f32>>;
 // Middling parts of big triangles, as on the stack; a part for each hemisphere.
@@ -190,8 +190,7 @@ fn whole_triangle(hemisphere: u32, place: u32) -> Piece {
 }
 
 fn relative_position(vertex: u32) -> vec3<f32> {
-    let at = 3u * vertex;
-    return vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]) - view.position;
+    return vertices[vertex].position - view.position;
 }
 
 // Pushes the parts of a piece; or returns true if it is to be drawn, with its depth shift.

@@ -1,8 +1,8 @@
 // Transform: the chunks of moved instances, from their meshes' space to world space, with their bounds.
 // One workgroup a chunk.
 
-@group(0) @binding(0) var<storage, read> local_positions: array<f32>;
-@group(0) @binding(1) var<storage, read_write> positions: array<f32>;
+@group(0) @binding(0) var<storage, read> local_vertices: array<CasterVertex>;
+@group(0) @binding(1) var<storage, read_write> vertices: array<CasterVertex>;
 @group(0) @binding(2) var<storage, read> chunk_sources: array<ChunkSource>;
 @group(0) @binding(3) var<storage, read_write> chunk_bounds: array<ChunkBounds>;
 // Three rows a matrix.
@@ -11,6 +11,8 @@
 @group(0) @binding(5) var<storage, read> jobs: array<u32>;
 
 const THREADS: u32 = 64u;
+// By how much a cone has to be wider when its axis is rounded to 1/127ths, and its sine too.
+const PACKING: f32 = 0.012;
 
 var<workgroup> lowest: array<vec3<f32>, THREADS>;
 var<workgroup> highest: array<vec3<f32>, THREADS>;
@@ -35,13 +37,11 @@ fn transform_chunk(chunk: u32, thread: u32) {
     var low = vec3<f32>(3.4e38);
     var high = vec3<f32>(-3.4e38);
     for (var v = thread; v < vertex_count(source); v += THREADS) {
-        let source_at = 3u * (source.local_vertex + v);
-        let local = vec4<f32>(local_positions[source_at], local_positions[source_at + 1u], local_positions[source_at + 2u], 1.0);
+        let vertex = local_vertices[source.local_vertex + v];
+        let local = vec4<f32>(vertex.position, 1.0);
         let world = vec3<f32>(dot(row_x, local), dot(row_y, local), dot(row_z, local));
-        let at = 3u * (source.vertex + v);
-        positions[at] = world.x;
-        positions[at + 1u] = world.y;
-        positions[at + 2u] = world.z;
+        let cone = cone_in_world(vertex.normals, row_x.xyz, row_y.xyz, row_z.xyz);
+        vertices[source.vertex + v] = CasterVertex(world, pack4x8snorm(cone + vec4<f32>(0.0, 0.0, 0.0, PACKING)));
         low = min(low, world);
         high = max(high, world);
     }
@@ -66,7 +66,7 @@ fn transform_chunk(chunk: u32, thread: u32) {
         );
         // Wider than exact, since the box of the pieces is transformed and not the pieces.
         let slack = 1e-5 * (abs(middle) + reach);
-        let normals = cone_in_world(source, row_x.xyz, row_y.xyz, row_z.xyz);
+        let normals = cone_in_world(source.normals, row_x.xyz, row_y.xyz, row_z.xyz);
         chunk_bounds[chunk] = ChunkBounds(
             lowest[0],
             sign(dot(row_x.xyz, cross(row_y.xyz, row_z.xyz))),
@@ -82,9 +82,9 @@ fn transform_chunk(chunk: u32, thread: u32) {
     }
 }
 
-// Axis and sine of a chunk's cone of normals. None for transforms that change angles, since the cone isn't one then.
-fn cone_in_world(source: ChunkSource, row_x: vec3<f32>, row_y: vec3<f32>, row_z: vec3<f32>) -> vec4<f32> {
-    let cone = unpack4x8snorm(source.normals);
+// Axis and sine of a cone of normals. None for transforms that change angles, since the cone isn't one then.
+fn cone_in_world(normals: u32, row_x: vec3<f32>, row_y: vec3<f32>, row_z: vec3<f32>) -> vec4<f32> {
+    let cone = unpack4x8snorm(normals);
     let squares = vec3<f32>(dot(row_x, row_x), dot(row_y, row_y), dot(row_z, row_z));
     let products = abs(vec3<f32>(dot(row_x, row_y), dot(row_y, row_z), dot(row_z, row_x)));
     let unequal = max(abs(squares.x - squares.y), abs(squares.y - squares.z));

@@ -5,7 +5,8 @@
 
 use crate::Error;
 use crate::arena::Arena;
-use crate::chunks::{self, Bounds, Chunk, Culling};
+use crate::chunks::{self, Bounds, Chunk, Culling, Vertex};
+use crate::cone::Cone;
 use crate::ranges::Ranges;
 use crate::slots::{Handle, Slots};
 use crate::transform::Transform;
@@ -71,8 +72,8 @@ pub struct InstanceId(Handle);
 
 #[derive(Debug)]
 struct Mesh {
-    first_position: u32,
-    position_count: u32,
+    first_vertex: u32,
+    vertex_count: u32,
     first_triangle: u32,
     triangle_count: u32,
     chunks: Vec<Chunk>,
@@ -104,8 +105,7 @@ pub(crate) struct ChunkSource {
     pub(crate) pieces_min: Vec3,
     pub(crate) instance: u32,
     pub(crate) pieces_max: Vec3,
-    /// The cone of normals, see [`Cone`](crate::cone::Cone).
-    pub(crate) normals: u32,
+    pub(crate) normals: Cone,
 }
 
 /// What moved, came or went: the bounds before and after, whichever there were.
@@ -118,6 +118,9 @@ pub(crate) struct Change {
 /// Changes remembered for lights that weren't recorded since; past that, every light counts as touched.
 const REMEMBERED_CHANGES: usize = 1 << 16;
 
+/// Bytes of a vertex, in the mesh's space or the world's; the first twelve are the position.
+pub(crate) const VERTEX_SIZE: u64 = size_of::<Vertex>() as u64;
+
 /// Bytes of `ChunkBounds` in `shaders/casters.wgsl`.
 const CHUNK_BOUNDS_SIZE: u64 = 80;
 
@@ -129,7 +132,7 @@ const CHUNK_BOUNDS_SIZE: u64 = 80;
 pub struct Casters {
     meshes: Slots<Mesh>,
     instances: Slots<Instance>,
-    position_ranges: Ranges,
+    local_ranges: Ranges,
     triangle_ranges: Ranges,
     vertex_ranges: Ranges,
     chunk_ranges: Ranges,
@@ -137,9 +140,9 @@ pub struct Casters {
     moved: Vec<Handle>,
     changes: VecDeque<Change>,
     first_change: u64,
-    pub(crate) local_positions: Arena,
+    pub(crate) local_vertices: Arena,
     pub(crate) triangles: Arena,
-    pub(crate) positions: Arena,
+    pub(crate) vertices: Arena,
     pub(crate) chunk_sources: Arena,
     pub(crate) chunk_bounds: Arena,
     pub(crate) transforms: Arena,
@@ -155,7 +158,7 @@ impl Casters {
         Self {
             meshes: Slots::new("mesh", "Casters"),
             instances: Slots::new("instance", "Casters"),
-            position_ranges: Ranges::default(),
+            local_ranges: Ranges::default(),
             triangle_ranges: Ranges::default(),
             vertex_ranges: Ranges::default(),
             chunk_ranges: Ranges::default(),
@@ -163,9 +166,9 @@ impl Casters {
             moved: Vec::new(),
             changes: VecDeque::new(),
             first_change: 0,
-            local_positions: arena("mesh positions", 12, wgpu::BufferUsages::empty()),
+            local_vertices: arena("mesh vertices", VERTEX_SIZE, wgpu::BufferUsages::empty()),
             triangles: arena("triangles", 4, wgpu::BufferUsages::empty()),
-            positions: arena("positions", 12, wgpu::BufferUsages::VERTEX),
+            vertices: arena("vertices", VERTEX_SIZE, wgpu::BufferUsages::VERTEX),
             chunk_sources: arena("chunks", size_of::<ChunkSource>() as u64, wgpu::BufferUsages::empty()),
             chunk_bounds: arena("chunk bounds", CHUNK_BOUNDS_SIZE, wgpu::BufferUsages::empty()),
             transforms: arena("transforms", 48, wgpu::BufferUsages::empty()),
@@ -187,9 +190,9 @@ impl Casters {
 
     fn arenas(&self) -> [&Arena; 6] {
         [
-            &self.local_positions,
+            &self.local_vertices,
             &self.triangles,
-            &self.positions,
+            &self.vertices,
             &self.chunk_sources,
             &self.chunk_bounds,
             &self.transforms,
@@ -206,16 +209,16 @@ impl Casters {
     pub fn add_mesh(&mut self, mesh: &CasterMesh) -> Result<MeshId, Error> {
         validate(mesh)?;
         let cut = chunks::cut(mesh);
-        let (positions, triangles) = (cut.positions.len() as u32, cut.triangles.len() as u32);
-        self.local_positions.check(self.position_ranges.end_after(positions))?;
+        let (vertices, triangles) = (cut.vertices.len() as u32, cut.triangles.len() as u32);
+        self.local_vertices.check(self.local_ranges.end_after(vertices))?;
         self.triangles.check(self.triangle_ranges.end_after(triangles))?;
-        let first_position = self.position_ranges.allocate(positions);
+        let first_vertex = self.local_ranges.allocate(vertices);
         let first_triangle = self.triangle_ranges.allocate(triangles);
-        self.local_positions.write(first_position, bytemuck::cast_slice(&cut.positions));
+        self.local_vertices.write(first_vertex, bytemuck::cast_slice(&cut.vertices));
         self.triangles.write(first_triangle, bytemuck::cast_slice(&cut.triangles));
         let mesh = Mesh {
-            first_position,
-            position_count: positions,
+            first_vertex,
+            vertex_count: vertices,
             first_triangle,
             triangle_count: triangles,
             chunks: cut.chunks,
@@ -234,7 +237,7 @@ impl Casters {
         if mesh.instances > 0 {
             return Err(Error::MeshInUse { instances: mesh.instances });
         }
-        self.position_ranges.release(mesh.first_position, mesh.position_count);
+        self.local_ranges.release(mesh.first_vertex, mesh.vertex_count);
         self.triangle_ranges.release(mesh.first_triangle, mesh.triangle_count);
         self.meshes.remove(id.0)?;
         Ok(())
@@ -250,10 +253,10 @@ impl Casters {
         let entry = self.meshes.get_mut(mesh.0)?;
         let bounds = transformed(&entry.bounds, &transform)?;
         let chunk_count = entry.chunks.len() as u32;
-        self.positions.check(self.vertex_ranges.end_after(entry.position_count))?;
+        self.vertices.check(self.vertex_ranges.end_after(entry.vertex_count))?;
         self.chunk_bounds.check(self.chunk_ranges.end_after(chunk_count))?;
         entry.instances += 1;
-        let first_vertex = self.vertex_ranges.allocate(entry.position_count);
+        let first_vertex = self.vertex_ranges.allocate(entry.vertex_count);
         let first_chunk = self.chunk_ranges.allocate(chunk_count);
         self.triangle_count += u64::from(entry.triangle_count);
         let instance = Instance { mesh: mesh.0, first_vertex, first_chunk, bounds, moved: true };
@@ -296,7 +299,7 @@ impl Casters {
         let chunk_count = mesh.chunks.len() as u32;
         mesh.instances -= 1;
         self.triangle_count -= u64::from(mesh.triangle_count);
-        self.vertex_ranges.release(first_vertex, mesh.position_count);
+        self.vertex_ranges.release(first_vertex, mesh.vertex_count);
         self.chunk_ranges.release(first_chunk, chunk_count);
         let none: ChunkSource = bytemuck::Zeroable::zeroed();
         self.chunk_sources.write(first_chunk, bytemuck::cast_slice(&vec![none; chunk_count as usize]));
@@ -341,19 +344,19 @@ impl Casters {
 
     /// Brings the GPU's copy up to date: grows or shrinks buffers, writes what was added, transforms what moved.
     pub(crate) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
-        let (positions, triangles) = (self.position_ranges.end(), self.triangle_ranges.end());
+        let (local, triangles) = (self.local_ranges.end(), self.triangle_ranges.end());
         let (vertices, chunks) = (self.vertex_ranges.end(), self.chunk_ranges.end());
         let slots = self.instances.len();
-        self.local_positions.update(device, queue, encoder, positions);
+        self.local_vertices.update(device, queue, encoder, local);
         self.triangles.update(device, queue, encoder, triangles);
-        self.positions.update(device, queue, encoder, vertices);
+        self.vertices.update(device, queue, encoder, vertices);
         self.chunk_sources.update(device, queue, encoder, chunks);
         self.chunk_bounds.update(device, queue, encoder, chunks);
         self.transforms.update(device, queue, encoder, slots);
         let jobs = self.take_moved_chunks();
         if !jobs.is_empty() {
             let arenas =
-                [&self.local_positions, &self.positions, &self.chunk_sources, &self.chunk_bounds, &self.transforms];
+                [&self.local_vertices, &self.vertices, &self.chunk_sources, &self.chunk_bounds, &self.transforms];
             self.transform.record(device, encoder, arenas.map(Arena::buffer), &jobs);
         }
     }
@@ -404,14 +407,14 @@ fn chunk_source(mesh: &Mesh, chunk: &Chunk, first_vertex: u32, instance: u32) ->
     let pieces =
         if chunk.culling == Culling::Closed { chunk.pieces } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
     ChunkSource {
-        local_vertex: mesh.first_position + chunk.first_vertex,
+        local_vertex: mesh.first_vertex + chunk.first_vertex,
         vertex: first_vertex + chunk.first_vertex,
         triangle: mesh.first_triangle + chunk.first_triangle,
         counts: chunk.vertex_count | chunk.triangle_count << 9 | culling << 18,
         pieces_min: pieces.min,
         instance,
         pieces_max: pieces.max,
-        normals: chunk.normals.0,
+        normals: chunk.normals,
     }
 }
 

@@ -59,13 +59,21 @@ pub(crate) struct Chunk {
     pub(crate) normals: Cone,
 }
 
+/// A vertex as the shaders read it; twin of `CasterVertex` in `shaders/casters.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Vertex {
+    pub(crate) position: Vec3,
+    /// The normals of all triangles around it, if back faces may be dropped where there is no front face.
+    pub(crate) normals: Cone,
+}
+
 /// A mesh cut into chunks.
 #[derive(Debug)]
 pub(crate) struct ChunkedMesh {
     /// The chunks' vertices, one run a chunk.
-    pub(crate) positions: Vec<Vec3>,
-    /// A triangle's corners as places in its chunk's run of vertices: bits 0-7, 8-15, 16-23. Bits 24-26 say which
-    /// of them other chunks have too.
+    pub(crate) vertices: Vec<Vertex>,
+    /// A triangle's corners as places in its chunk's run of vertices: bits 0-7, 8-15, 16-23.
     pub(crate) triangles: Vec<u32>,
     pub(crate) chunks: Vec<Chunk>,
     pub(crate) bounds: Bounds,
@@ -99,18 +107,16 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
         pieces: &pieces,
         always: mesh.sides == Sides::Front,
         local: vec![u32::MAX; positions.len()],
-        first_chunk: vec![u32::MAX; positions.len()],
         welded: Vec::new(),
-        out: ChunkedMesh { positions: Vec::new(), triangles: Vec::new(), chunks: Vec::new(), bounds: Bounds::EMPTY },
+        out: ChunkedMesh { vertices: Vec::new(), triangles: Vec::new(), chunks: Vec::new(), bounds: Bounds::EMPTY },
     };
     let split = closed_first(&mut triangles);
     let (closed, open) = triangles.split_at_mut(split);
     cutter.cut(closed);
     cutter.cut(open);
-    cutter.mark_shared();
     cutter.bound_normals();
-    for &position in &cutter.out.positions {
-        cutter.out.bounds.extend(position);
+    for vertex in &cutter.out.vertices {
+        cutter.out.bounds.extend(vertex.position);
     }
     cutter.out
 }
@@ -241,9 +247,7 @@ struct Cutter<'a> {
     always: bool,
     /// Welded vertex to its place in the chunk being made, or `u32::MAX`.
     local: Vec<u32>,
-    /// Welded vertex to the first chunk that has it, `SHARED` if there are several, `u32::MAX` if none.
-    first_chunk: Vec<u32>,
-    /// The welded vertices of `out.positions`.
+    /// The welded vertices of `out.vertices`.
     welded: Vec<u32>,
     out: ChunkedMesh,
 }
@@ -280,9 +284,6 @@ impl Around {
     }
 }
 
-/// A vertex of several chunks.
-const SHARED: u32 = u32::MAX - 1;
-
 impl Cutter<'_> {
     /// Halves by the longest axis until what is left makes a chunk.
     fn cut(&mut self, triangles: &mut [Triangle]) {
@@ -310,7 +311,7 @@ impl Cutter<'_> {
 
     /// Makes a chunk, unless the triangles have too many vertices for one.
     fn emit(&mut self, triangles: &mut [Triangle]) -> bool {
-        let first_vertex = self.out.positions.len();
+        let first_vertex = self.out.vertices.len();
         let first_triangle = self.out.triangles.len();
         let mut pieces = Bounds::EMPTY;
         for triangle in &*triangles {
@@ -318,8 +319,8 @@ impl Cutter<'_> {
             for (place, &vertex) in triangle.corners.iter().enumerate() {
                 let local = &mut self.local[vertex as usize];
                 if *local == u32::MAX {
-                    *local = (self.out.positions.len() - first_vertex) as u32;
-                    self.out.positions.push(self.positions[vertex as usize]);
+                    *local = (self.out.vertices.len() - first_vertex) as u32;
+                    self.out.vertices.push(Vertex { position: self.positions[vertex as usize], normals: Cone::NONE });
                     self.welded.push(vertex);
                 }
                 packed |= (*local & 0xff) << (8 * place);
@@ -334,17 +335,12 @@ impl Cutter<'_> {
                 self.local[vertex as usize] = u32::MAX;
             }
         }
-        let vertex_count = self.out.positions.len() - first_vertex;
+        let vertex_count = self.out.vertices.len() - first_vertex;
         if vertex_count > CHUNK_SIZE {
-            self.out.positions.truncate(first_vertex);
+            self.out.vertices.truncate(first_vertex);
             self.welded.truncate(first_vertex);
             self.out.triangles.truncate(first_triangle);
             return false;
-        }
-        let chunk = self.out.chunks.len() as u32;
-        for &vertex in &self.welded[first_vertex..] {
-            let first = &mut self.first_chunk[vertex as usize];
-            *first = if *first == u32::MAX { chunk } else { SHARED };
         }
         let culling = match (self.always, triangles[0].closed) {
             (true, _) => Culling::Always,
@@ -363,10 +359,11 @@ impl Cutter<'_> {
         true
     }
 
-    /// Finds the cones of normals of the chunks whose back faces may be dropped.
+    /// Finds the cones of normals of the chunks whose back faces may be dropped, and around their vertices.
     fn bound_normals(&mut self) {
         let culled = |chunk: &&Chunk| chunk.culling != Culling::None;
-        let corners: Vec<[u32; 3]> = self.out.chunks.iter().filter(culled).flat_map(|c| self.welded_corners(c)).collect();
+        let corners: Vec<[u32; 3]> =
+            self.out.chunks.iter().filter(culled).flat_map(|c| self.welded_corners(c)).collect();
         let around = Around::new(&corners, self.positions.len());
         let normal = |t: usize| {
             let [a, b, c] = corners[t].map(|v| self.positions[v as usize].as_dvec3());
@@ -377,6 +374,10 @@ impl Cutter<'_> {
         for chunk in self.out.chunks.iter_mut().filter(|chunk| chunk.culling != Culling::None) {
             let own = first..first + chunk.triangle_count as usize;
             first = own.end;
+            let run = chunk.first_vertex as usize..(chunk.first_vertex + chunk.vertex_count) as usize;
+            for (vertex, &welded) in self.out.vertices[run.clone()].iter_mut().zip(&self.welded[run]) {
+                vertex.normals = Cone::new(around.triangles(welded).iter().map(|&t| normals[t as usize]));
+            }
             let seen = corners[own].iter().flatten().flat_map(|&v| around.triangles(v));
             chunk.normals = Cone::new(seen.map(|&t| normals[t as usize]));
         }
@@ -388,19 +389,5 @@ impl Cutter<'_> {
         self.out.triangles[first..first + chunk.triangle_count as usize]
             .iter()
             .map(move |packed| [0, 8, 16].map(|shift| self.welded[(vertex + (packed >> shift & 0xff)) as usize]))
-    }
-
-    /// Marks the corners that other chunks have too.
-    fn mark_shared(&mut self) {
-        for chunk in &self.out.chunks {
-            let first = chunk.first_triangle as usize;
-            for packed in &mut self.out.triangles[first..first + chunk.triangle_count as usize] {
-                for place in 0..3 {
-                    let local = *packed >> (8 * place) & 0xff;
-                    let vertex = self.welded[(chunk.first_vertex + local) as usize];
-                    *packed |= u32::from(self.first_chunk[vertex as usize] == SHARED) << (24 + place);
-                }
-            }
-        }
     }
 }

@@ -1,4 +1,4 @@
-//! Cones of normals: whether a whole chunk faces away.
+//! Cones of normals: whether everything around a vertex, or in a chunk, faces away.
 
 use glam::Vec3;
 
@@ -7,7 +7,8 @@ const SLACK: f32 = 0.02;
 
 /// A cone that holds all normals of some triangles, in four signed bytes as `unpack4x8snorm` has them: the axis, and the
 /// sine of the angle to it at most. A sine of 1 is a cone that is too wide to be of use.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Cone(pub(crate) u32);
 
 impl Cone {

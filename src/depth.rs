@@ -1,6 +1,7 @@
 //! The depth stage: one render pass a light, both hemispheres side by side (`shaders/depth.wgsl`,
 //! `shaders/exact.wgsl`).
 
+use crate::casters::VERTEX_SIZE;
 use crate::gpu::{self, Binding};
 use crate::light::{Coverage, PointLight};
 use crate::view::{Arguments, HemisphereView, MapShape, SLOT, View};
@@ -22,7 +23,7 @@ pub(crate) struct Depth {
 
 /// What a light's pass draws from.
 pub(crate) struct Sources<'a> {
-    pub(crate) positions: &'a wgpu::Buffer,
+    pub(crate) vertices: &'a wgpu::Buffer,
     pub(crate) lists: &'a wgpu::Buffer,
     pub(crate) pieces: &'a wgpu::Buffer,
     pub(crate) arguments: &'a wgpu::Buffer,
@@ -46,8 +47,8 @@ impl Depth {
         let module = gpu::shader(device, "depth", crate::wgsl::depth());
         let exact_module = gpu::shader(device, "exact", crate::wgsl::exact());
         Self {
-            whole: depth_pipeline(device, &layout, &module, "depth", wgpu::VertexFormat::Float32x3),
-            pieces: depth_pipeline(device, &layout, &module, "depth_of_piece", wgpu::VertexFormat::Float32x4),
+            whole: depth_pipeline(device, &layout, &module, "depth", VERTEX_SIZE, wgpu::VertexFormat::Float32x3),
+            pieces: depth_pipeline(device, &layout, &module, "depth_of_piece", 16, wgpu::VertexFormat::Float32x4),
             exact: [0, 1].map(|hemisphere| exact_pipeline(device, &exact_layout, &exact_module, hemisphere)),
             exact_layout,
             views,
@@ -60,10 +61,10 @@ impl Depth {
         device: &wgpu::Device,
         views: &wgpu::Buffer,
         lists: &wgpu::Buffer,
-        positions: &wgpu::Buffer,
+        vertices: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
         let size = size_of::<View>() as u64;
-        let resources = [gpu::dynamic(views, size), lists.as_entire_binding(), positions.as_entire_binding()];
+        let resources = [gpu::dynamic(views, size), lists.as_entire_binding(), vertices.as_entire_binding()];
         gpu::bind_group(device, "exact", &self.exact_layout, &resources)
     }
 
@@ -117,7 +118,7 @@ impl Depth {
             pass.set_viewport(size * back as f32, 0.0, size, size, 0.0, 1.0);
             pass.set_pipeline(&self.whole);
             pass.set_bind_group(0, &self.group, &[view(back, 0)]);
-            pass.set_vertex_buffer(0, sources.positions.slice(..));
+            pass.set_vertex_buffer(0, sources.vertices.slice(..));
             pass.draw_indexed_indirect(sources.arguments, at + offset_of!(Arguments, whole) as u64 + 20 * b);
             pass.set_pipeline(&self.pieces);
             pass.set_bind_group(0, &self.group, &[view(back, 1)]);
@@ -135,7 +136,8 @@ fn depth_pipeline(
     layout: &wgpu::BindGroupLayout,
     module: &wgpu::ShaderModule,
     entry_point: &str,
-    vertex: wgpu::VertexFormat,
+    stride: u64,
+    format: wgpu::VertexFormat,
 ) -> wgpu::RenderPipeline {
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(entry_point),
@@ -145,9 +147,9 @@ fn depth_pipeline(
             entry_point: Some(entry_point),
             compilation_options: Default::default(),
             buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: vertex.size(),
+                array_stride: stride,
                 step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &[wgpu::VertexAttribute { format: vertex, offset: 0, shader_location: 0 }],
+                attributes: &[wgpu::VertexAttribute { format, offset: 0, shader_location: 0 }],
             })],
         },
         primitive: wgpu::PrimitiveState::default(),

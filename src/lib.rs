@@ -63,9 +63,9 @@
 mod arena;
 mod casters;
 mod chunks;
-mod cone;
 #[cfg(feature = "compare")]
 pub mod compare;
+mod cone;
 mod demand;
 mod depth;
 mod error;

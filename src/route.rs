@@ -90,7 +90,7 @@ impl Route {
             casters.chunk_sources.buffer().as_entire_binding(),
             casters.chunk_bounds.buffer().as_entire_binding(),
             casters.triangles.buffer().as_entire_binding(),
-            casters.positions.buffer().as_entire_binding(),
+            casters.vertices.buffer().as_entire_binding(),
             self.lists.as_entire_binding(),
         ];
         gpu::bind_group(device, "route", &self.layout, &resources)

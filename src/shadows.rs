@@ -268,7 +268,7 @@ impl PointShadows {
         let lights: Vec<PointLight> = stale.iter().map(|(_, light)| *light).collect();
         self.depth.write_views(queue, &lights, &self.shape);
         let sources = Sources {
-            positions: casters.positions.buffer(),
+            vertices: casters.vertices.buffer(),
             lists: self.route.lists(),
             pieces: self.split.pieces(),
             arguments: &self.arguments,
@@ -332,12 +332,12 @@ impl PointShadows {
     }
 
     fn bind(&self, device: &wgpu::Device, casters: &Casters, key: (u32, u64)) -> Groups {
-        let (lists, positions) = (self.route.lists(), casters.positions.buffer());
+        let (lists, vertices) = (self.route.lists(), casters.vertices.buffer());
         Groups {
             key,
             route: self.route.bind_group(device, &self.views, &self.arguments, casters),
-            split: self.split.bind_group(device, &self.views, &self.arguments, lists, positions),
-            exact: self.depth.exact_group(device, &self.views, lists, positions),
+            split: self.split.bind_group(device, &self.views, &self.arguments, lists, vertices),
+            exact: self.depth.exact_group(device, &self.views, lists, vertices),
         }
     }
 

@@ -87,13 +87,13 @@ impl Split {
         views: &wgpu::Buffer,
         arguments: &wgpu::Buffer,
         lists: &wgpu::Buffer,
-        positions: &wgpu::Buffer,
+        vertices: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
         let resources = [
             gpu::dynamic(views, size_of::<View>() as u64),
             gpu::dynamic(arguments, size_of::<Arguments>() as u64),
             lists.as_entire_binding(),
-            positions.as_entire_binding(),
+            vertices.as_entire_binding(),
             self.pieces.as_entire_binding(),
             self.parts.as_entire_binding(),
         ];

@@ -23,7 +23,7 @@ impl Transform {
         Self { pipeline }
     }
 
-    /// Transforms the chunks `jobs`. The buffers are, in order: mesh positions, positions, chunks, chunk bounds,
+    /// Transforms the chunks `jobs`. The buffers are, in order: mesh vertices, vertices, chunks, chunk bounds,
     /// transforms.
     pub(crate) fn record(
         &self,

@@ -33,7 +33,7 @@ pub(crate) fn route() -> String {
 }
 
 pub(crate) fn split() -> String {
-    [PARABOLOID, VIEW, SPLIT].concat()
+    [PARABOLOID, CASTERS, VIEW, SPLIT].concat()
 }
 
 pub(crate) fn depth() -> String {
@@ -41,7 +41,7 @@ pub(crate) fn depth() -> String {
 }
 
 pub(crate) fn exact() -> String {
-    [PARABOLOID, VIEW, EXACT].concat()
+    [PARABOLOID, CASTERS, VIEW, EXACT].concat()
 }
 
 /// Name and text of every complete module that the library compiles, and of the lookup under group 0; for checking

@@ -31,7 +31,7 @@ struct DrawIndexed {
 @group(0) @binding(2) var<storage, read> chunk_sources: array<ChunkSource>;
 @group(0) @binding(3) var<storage, read> chunk_bounds: array<ChunkBounds>;
 @group(0) @binding(4) var<storage, read> triangles: array<u32>;
-@group(0) @binding(5) var<storage, read> positions: array<f32>;
+@group(0) @binding(5) var<storage, read> vertices: array<CasterVertex>;
 // A part for each face.
 @group(0) @binding(6) var<storage, read_write> lists: array<u32>;
 
@@ -40,8 +40,6 @@ const TRIANGLES_PER_THREAD: u32 = 2u;
 
 const DROP: u32 = 0u;
 const DRAW: u32 = 1u;
-// Faces away in a closed piece: dropped unless it is next to one that doesn't.
-const BACK: u32 = 3u;
 
 // Bits of an outcode: beyond a border of the face, and nearer than the near plane.
 const OUT_RIGHT: u32 = 1u;
@@ -49,12 +47,12 @@ const OUT_LEFT: u32 = 2u;
 const OUT_TOP: u32 = 4u;
 const OUT_BOTTOM: u32 = 8u;
 const OUT_NEAR: u32 = 16u;
+// All triangles around the vertex face away.
+const ALL_AWAY: u32 = 256u;
 
 // A vertex in a face's texels, and its outcode.
 var<workgroup> corners: array<vec2<f32>, 256>;
 var<workgroup> outcodes: array<u32, 256>;
-// Bit v: a triangle of the chunk that doesn't surely face away has the vertex v.
-var<workgroup> turned: array<atomic<u32>, 8>;
 var<workgroup> draw_count: atomic<u32>;
 var<workgroup> draw_base: u32;
 
@@ -129,15 +127,11 @@ fn route_chunk(chunk: u32, face: u32, thread: u32) {
     if thread == 0u {
         atomicStore(&draw_count, 0u);
     }
-    if thread < 8u {
-        atomicStore(&turned[thread], 0u);
-    }
     for (var v = thread; v < vertex_count(source); v += THREADS) {
-        let at = 3u * (source.vertex + v);
-        let world = vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);
-        let x = to_face(world - view.position, face);
+        let vertex = vertices[source.vertex + v];
+        let x = to_face(vertex.position - view.position, face);
         corners[v] = (x.xy / x.z + 1.0) * (0.5 * view.resolution) - 0.5;
-        outcodes[v] = outcode(x);
+        outcodes[v] = outcode(x) | select(0u, ALL_AWAY, all_face_away(vertex, view.position));
     }
     workgroupBarrier();
 
@@ -150,20 +144,7 @@ fn route_chunk(chunk: u32, face: u32, thread: u32) {
         let t = thread + i * THREADS;
         fates[i] = DROP;
         if t < triangle_count(source) {
-            let local = corners_of(triangles[source.triangle + t]);
-            fates[i] = fate_of(local, rule, cull);
-            if rule == CULL_CLOSED && fates[i] != BACK {
-                mark_turned(local.x);
-                mark_turned(local.y);
-                mark_turned(local.z);
-            }
-        }
-    }
-    workgroupBarrier();
-
-    for (var i = 0u; i < TRIANGLES_PER_THREAD; i += 1u) {
-        if fates[i] == BACK {
-            fates[i] = fate_of_back(triangles[source.triangle + thread + i * THREADS]);
+            fates[i] = fate_of(corners_of(triangles[source.triangle + t]), rule, cull);
         }
         if fates[i] == DRAW {
             places[i] = atomicAdd(&draw_count, 1u);
@@ -203,7 +184,7 @@ fn corners_of(packed: u32) -> vec3<u32> {
 // matter.
 fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
     let code = vec3<u32>(outcodes[local.x], outcodes[local.y], outcodes[local.z]);
-    if (code.x & code.y & code.z) != 0u {
+    if (code.x & code.y & code.z & ~ALL_AWAY) != 0u {
         return DROP;
     }
     if ((code.x | code.y | code.z) & OUT_NEAR) != 0u {
@@ -213,8 +194,10 @@ fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
     let a = corners[local.x];
     let b = corners[local.y];
     let c = corners[local.z];
-    if is_culled(a, b, c, cull) {
-        return select(DROP, BACK, rule == CULL_CLOSED);
+    // Where front and back faces meet, the back faces of closed pieces are kept.
+    let hidden = rule == CULL_ALWAYS || (code.x & code.y & code.z & ALL_AWAY) != 0u;
+    if hidden && is_culled(a, b, c, cull) {
+        return DROP;
     }
     return select(DRAW, DROP, is_between_texels(a, b, c));
 }
@@ -245,25 +228,6 @@ fn is_culled(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, cull: f32) -> bool {
     let longest = sqrt(max(dot(e, e), max(dot(f, f), dot(g, g))));
     let farthest = max(max(abs(a.x), abs(a.y)), max(max(abs(b.x), abs(b.y)), max(abs(c.x), abs(c.y))));
     return area * cull > longest * raster_margin(farthest) * 2.0;
-}
-
-fn mark_turned(vertex: u32) {
-    atomicOr(&turned[vertex / 32u], 1u << (vertex % 32u));
-}
-
-fn is_turned(vertex: u32) -> bool {
-    return (atomicLoad(&turned[vertex / 32u]) & (1u << (vertex % 32u))) != 0u;
-}
-
-// At a silhouette front and back meet, and the rasteriser's snapping decides which is nearer: there back faces are
-// kept. So are those next to another chunk, about which nothing is known here.
-fn fate_of_back(packed: u32) -> u32 {
-    let local = corners_of(packed);
-    let shared_corners = packed >> 24u;
-    if shared_corners == 0u && !is_turned(local.x) && !is_turned(local.y) && !is_turned(local.z) {
-        return DROP;
-    }
-    return select(DRAW, DROP, is_between_texels(corners[local.x], corners[local.y], corners[local.z]));
 }
 
 fn write_entry(at: u32, entry: vec3<u32>) {

@@ -123,8 +123,8 @@ fn shader_and_rust_agree_on_map_coordinates() {
         if (decision == 1.0) != expected {
             differing += 1;
             let (low, high) = (0.4999, 0.5001);
-            let sure = (single::edge_bend(a.xy(), b.xy(), 500.0) > low)
-                == (single::edge_bend(a.xy(), b.xy(), 500.0) > high);
+            let sure =
+                (single::edge_bend(a.xy(), b.xy(), 500.0) > low) == (single::edge_bend(a.xy(), b.xy(), 500.0) > high);
             assert!(!sure, "the edge from {a} to {b} is decided differently");
         }
     }

@@ -7,7 +7,7 @@ use super::cube_lookup::CubeLookup;
 use super::cube_map::{CubeMap, FACES};
 use super::instanced::{INSTANCED_VIEW, InstancedView, depth_pass};
 use super::lookup::ConstantBias;
-use crate::casters::Casters;
+use crate::casters::{Casters, VERTEX_SIZE};
 use crate::gpu::{self, Binding};
 use crate::light::PointLight;
 use crate::view::{DrawIndexed, SLOT};
@@ -151,7 +151,7 @@ impl CubeRouted {
             casters.chunk_sources.buffer().as_entire_binding(),
             casters.chunk_bounds.buffer().as_entire_binding(),
             casters.triangles.buffer().as_entire_binding(),
-            casters.positions.buffer().as_entire_binding(),
+            casters.vertices.buffer().as_entire_binding(),
             self.jobs.lists.as_entire_binding(),
         ];
         let group = gpu::bind_group(device, "compare::cube_route", &self.route_layout, &resources);
@@ -182,7 +182,7 @@ impl CubeRouted {
             let mut pass = depth_pass(encoder, target, load, None);
             pass.set_pipeline(&self.depth);
             pass.set_bind_group(0, &self.face_group, &[face * SLOT as u32]);
-            pass.set_vertex_buffer(0, casters.positions.buffer().slice(..));
+            pass.set_vertex_buffer(0, casters.vertices.buffer().slice(..));
             pass.set_index_buffer(self.jobs.lists.slice(..), wgpu::IndexFormat::Uint32);
             let at = u64::from(job) + u64::from(face) * size_of::<DrawIndexed>() as u64;
             pass.draw_indexed_indirect(&self.jobs.arguments, at);
@@ -275,7 +275,7 @@ fn depth_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, text: S
             entry_point: Some("vertex"),
             compilation_options: Default::default(),
             buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: 12,
+                array_stride: VERTEX_SIZE,
                 step_mode: wgpu::VertexStepMode::Vertex,
                 attributes: &wgpu::vertex_attr_array![0 => Float32x3],
             })],
