@@ -24,11 +24,21 @@ struct DpLight {
 @group(DP_GROUP) @binding(1) var dp_sampler: sampler;
 @group(DP_GROUP) @binding(2) var<storage, read> dp_lights: array<DpLight>;
 
-// How far the reference is moved toward the light, in texel footprints along the ray. It covers what the
-// receiver's plane doesn't: curvature finer than a texel and the rasteriser's snapping. Less shows acne on curved
-// surfaces, more lets light in under contacts. On top comes the tolerance along the receiver's normal, by which
-// the depth that the hardware interpolates over a chord may be off.
-const DP_BIAS: f32 = 0.2;
+// What a texel says about a receiver depends on its margin: how far its content stands before the receiver's plane,
+// along the ray, in texel footprints. Content in the plane is the receiver's own surface, which the light reaches there:
+// a vote for light. Content before it is in the way: a vote against. Content behind it says next to nothing: the
+// receiver's surface ends before that texel, as it does all around the dark side of an object.
+
+// Margin up to which content may be the receiver's own surface, for curvature finer than a texel and for the
+// rasteriser's snapping. On top comes the tolerance along the receiver's normal, by which the depth that the hardware
+// interpolates over a chord may be off. Less shows acne, more lets light in under contacts.
+const DP_BIAS: f32 = 0.05;
+// Margin beyond the bias with which content is in the way for certain. Less may as well be the other face of a crease.
+const DP_RAMP: f32 = 0.5;
+// Margin behind the plane that halves a vote for light.
+const DP_FADE: f32 = 0.1;
+// Votes that it takes: with fewer in all, darkness counts for less.
+const DP_QUORUM: f32 = 0.02;
 // Bounds of the plane's depth at a texel against the depth at the receiver: a plane seen nearly edge-on would
 // otherwise reach from the light to infinity within a texel.
 const DP_SLOPE_LOW: f32 = 0.25;
@@ -77,20 +87,40 @@ fn dp_locate(light: u32, position: vec3<f32>, normal: vec3<f32>) -> DpReceiver {
     return DpReceiver(in_hemisphere, dp_to_hemisphere(n, back), back, dp_project(in_hemisphere));
 }
 
-// The depth above which the map's content at map coordinates `p` hides the receiver: the receiver's own plane
-// there, moved toward the light by the bias.
-fn dp_reference(light: u32, receiver: DpReceiver, p: vec2<f32>) -> f32 {
-    let here = dot(receiver.normal, dp_unproject_scaled(receiver.map));
-    let there = dot(receiver.normal, dp_unproject_scaled(p));
-    // Without a plane (no normal, or the light in it) the receiver's own depth has to do.
-    let slope = select(1.0, clamp(there / here, DP_SLOPE_LOW, DP_SLOPE_HIGH), abs(here) > 0.0);
-    let incidence = abs(here) / (length(receiver.normal) * length(dp_unproject_scaled(receiver.map)));
-    let footprints = DP_BIAS + dp_lights[light].tolerance / max(incidence, 1e-3);
-    let bias = footprints * dp_texel_angle(receiver.map, 1.0 / dp_lights[light].texels);
-    return dp_depth(receiver.position, dp_lights[light].near) * slope / (1.0 - min(bias, 0.5));
+// Cosine between the receiver's normal and its ray, from 0 (edge-on) to 1.
+fn dp_incidence(receiver: DpReceiver) -> f32 {
+    let ray = dp_unproject_scaled(receiver.map);
+    return abs(dot(receiver.normal, ray)) / max(length(receiver.normal) * length(ray), 1e-30);
 }
 
-// Four texels, each compared with the receiver's plane at its own centre, weighted bilinearly.
+// Depths of the receiver's plane at four map coordinates.
+fn dp_receiver_depth(light: u32, receiver: DpReceiver, u: vec4<f32>, v: vec4<f32>) -> vec4<f32> {
+    let n = receiver.normal;
+    let here = dot(n, dp_unproject_scaled(receiver.map));
+    let there = n.x * u + n.y * v + n.z * (0.5 - 0.5 * (u * u + v * v));
+    let slope = clamp(there / here, vec4<f32>(DP_SLOPE_LOW), vec4<f32>(DP_SLOPE_HIGH));
+    // Without a plane (no normal, or the light in it) the receiver's own depth has to do.
+    return dp_depth(receiver.position, dp_lights[light].near) * select(vec4<f32>(1.0), slope, abs(here) > 0.0);
+}
+
+// What four texels say by their margins.
+struct DpVotes {
+    lit: vec4<f32>,
+    dark: vec4<f32>,
+}
+
+fn dp_votes(light: u32, receiver: DpReceiver, margin: vec4<f32>) -> DpVotes {
+    let grazing = 1.0 / max(dp_incidence(receiver), 1e-3);
+    let bias = DP_BIAS + dp_lights[light].tolerance * grazing;
+    // Half along the ray and half along the normal.
+    let spread = 1.0 + grazing;
+    let before = max(1.0 - margin / bias, vec4<f32>(0.0));
+    let behind = 1.0 / (1.0 - min(margin, vec4<f32>(0.0)) / (DP_FADE * spread));
+    let dark = clamp((margin - bias) / (DP_RAMP * spread), vec4<f32>(0.0), vec4<f32>(1.0));
+    return DpVotes(select(before, behind, margin < vec4<f32>(0.0)), dark);
+}
+
+// The votes of the four texels around the receiver, weighted bilinearly.
 fn dp_sample_bilinear(light: u32, receiver: DpReceiver) -> f32 {
     let size = vec2<f32>(textureDimensions(dp_maps));
     let resolution = size.y;
@@ -103,12 +133,11 @@ fn dp_sample_bilinear(light: u32, receiver: DpReceiver) -> f32 {
     let low = (base + 0.5 - 0.5 * resolution) * vec2<f32>(1.0, -1.0) / texels;
     let high = low + vec2<f32>(1.0, -1.0) / texels;
     // The order in which textureGather gives the texels: row below, then row above, counter-clockwise.
-    let reference = vec4<f32>(
-        dp_reference(light, receiver, vec2<f32>(low.x, high.y)),
-        dp_reference(light, receiver, high),
-        dp_reference(light, receiver, vec2<f32>(high.x, low.y)),
-        dp_reference(light, receiver, low),
-    );
+    let u = vec4<f32>(low.x, high.x, high.x, low.x);
+    let v = vec4<f32>(high.y, high.y, low.y, low.y);
     let weights = vec4<f32>((1.0 - f.x) * f.y, f.x * f.y, f.x * (1.0 - f.y), (1.0 - f.x) * (1.0 - f.y));
-    return dot(weights, select(vec4<f32>(1.0), vec4<f32>(0.0), stored > reference));
+    let nearer = stored / dp_receiver_depth(light, receiver, u, v) - 1.0;
+    let votes = dp_votes(light, receiver, nearer / dp_texel_angle(receiver.map, 1.0 / texels));
+    let dark = dot(weights, votes.dark);
+    return 1.0 - dark / max(dot(weights, votes.lit) + dark, DP_QUORUM);
 }

@@ -22,7 +22,10 @@ struct CubeLight {
 
 // As in shaders/lookup.wgsl, in texels of the cube. The pair's tolerance along the normal has no counterpart: a flat
 // view's chords don't bend.
-const CUBE_BIAS: f32 = 0.2;
+const CUBE_BIAS: f32 = 0.05;
+const CUBE_RAMP: f32 = 0.5;
+const CUBE_FADE: f32 = 0.1;
+const CUBE_QUORUM: f32 = 0.02;
 const CUBE_SLOPE_LOW: f32 = 0.25;
 const CUBE_SLOPE_HIGH: f32 = 4.0;
 
@@ -72,8 +75,8 @@ fn cube_to_face(v: vec3<f32>, face: u32) -> vec3<f32> {
     return vec3<f32>(s * v.x, v.y, s * v.z);
 }
 
-// Share of the light that reaches `position`: four texels, each compared with the receiver's plane at its own
-// centre and weighted bilinearly, as `dp_shadow` does. At a face's border the face's own last texels stand in for
+// Share of the light that reaches `position`: four texels, each held against the receiver's plane at its own centre,
+// and their votes weighted bilinearly, as `dp_shadow` does. At a face's border the face's own last texels stand in for
 // those of its neighbour.
 fn cube_shadow_plane(position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let from_light = position - cube_light.position;
@@ -93,15 +96,22 @@ fn cube_shadow_plane(position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let stored = textureGather(cube_faces, cube_sampler, (base + 1.0) / resolution, face);
     let low = (base + 0.5 - 0.5 * resolution) * vec2<f32>(texel, -texel);
     let high = low + vec2<f32>(texel, -texel);
-    // A texel's footprint, as an angle and in its wider direction, is its width over the ray's length at distance 1.
-    let bias = min(CUBE_BIAS * texel * x.z * inverseSqrt(distance_squared), 0.5);
-    let depth = cube_light.near / (x.z * (1.0 - bias));
     let here = dot(n, vec3<f32>(p, 1.0));
     // The order in which textureGather gives the texels: row below, then row above, counter-clockwise.
     let there = n.z + n.x * vec4<f32>(low.x, high.x, high.x, low.x) + n.y * vec4<f32>(high.y, high.y, low.y, low.y);
     let slopes = clamp(there / here, vec4<f32>(CUBE_SLOPE_LOW), vec4<f32>(CUBE_SLOPE_HIGH));
     // Without a plane (no normal, or the light in it) the receiver's own depth has to do.
-    let reference = depth * select(vec4<f32>(1.0), slopes, abs(here) > 0.0);
+    let plane = cube_light.near / x.z * select(vec4<f32>(1.0), slopes, abs(here) > 0.0);
+    // A texel's footprint, as an angle and in its wider direction, is its width over the ray's length at distance 1.
+    let footprint = texel * x.z * inverseSqrt(distance_squared);
+    let incidence = abs(here) / max(length(n) * length(vec3<f32>(p, 1.0)), 1e-30);
+    let spread = 1.0 + 1.0 / max(incidence, 1e-3);
+    let margin = (stored / plane - 1.0) / footprint;
+    let before = max(1.0 - margin / CUBE_BIAS, vec4<f32>(0.0));
+    let behind = 1.0 / (1.0 - min(margin, vec4<f32>(0.0)) / (CUBE_FADE * spread));
+    let votes_dark = clamp((margin - CUBE_BIAS) / (CUBE_RAMP * spread), vec4<f32>(0.0), vec4<f32>(1.0));
+    let votes_lit = select(before, behind, margin < vec4<f32>(0.0));
     let weights = vec4<f32>((1.0 - f.x) * f.y, f.x * f.y, f.x * (1.0 - f.y), (1.0 - f.x) * (1.0 - f.y));
-    return dot(weights, select(vec4<f32>(1.0), vec4<f32>(0.0), stored > reference));
+    let dark = dot(weights, votes_dark);
+    return 1.0 - dark / max(dot(weights, votes_lit) + dark, CUBE_QUORUM);
 }

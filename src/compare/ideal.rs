@@ -113,8 +113,9 @@ pub struct Lookup {
     pub view: View,
     /// Size of the maps.
     pub geometry: MapGeometry,
-    /// Depth bias k: how far the receiver is moved toward the light, in texel footprints at the receiver. Too little
-    /// shows as acne on curved casters, too much as peter-panning. The library's is [`BIAS`].
+    /// How far before the receiver's plane a texel's content may stand and still count as the receiver's surface, along
+    /// the ray, in texel footprints at the receiver; above 0. Too little shows as acne on curved casters, too much as
+    /// peter-panning. The library's is [`BIAS`].
     pub bias: f64,
     /// How far depth may be off along a surface's normal, in texel footprints: the pair's tolerance. The bias along the
     /// receiver's normal.
@@ -122,7 +123,17 @@ pub struct Lookup {
 }
 
 /// The library's depth bias, `DP_BIAS`.
-pub const BIAS: f64 = 0.2;
+pub const BIAS: f64 = 0.05;
+
+/// Margin beyond the bias with which a texel's content is in the way for certain, `DP_RAMP`; in texel footprints, once
+/// along the ray and once along the normal.
+pub const RAMP: f64 = 0.5;
+
+/// Margin behind the receiver's plane that halves a texel's vote for light, `DP_FADE`; in the same unit.
+pub const FADE: f64 = 0.1;
+
+/// Votes that it takes, `DP_QUORUM`: with fewer in all, darkness counts for less.
+pub const QUORUM: f64 = 0.02;
 
 /// Bounds of the ratio between the depths of the receiver's plane at a texel centre and at the receiver, against
 /// planes that are seen edge-on: `DP_SLOPE_LOW` and `DP_SLOPE_HIGH`.
@@ -136,6 +147,14 @@ struct Located {
     back: bool,
     /// Map coordinates.
     map: DVec2,
+}
+
+impl Located {
+    /// Cosine between the normal and the ray, from 0 (edge-on) to 1.
+    fn incidence(&self) -> f64 {
+        let ray = paraboloid::unproject_scaled(self.map);
+        self.normal.dot(ray).abs() / (self.normal.length() * ray.length()).max(1e-30)
+    }
 }
 
 impl Lookup {
@@ -157,17 +176,26 @@ impl Lookup {
         Located { position, normal, back, map: paraboloid::project(position) }
     }
 
-    /// The depth above which the map's content at map coordinates `p` hides the receiver: the receiver's own plane
-    /// there, moved toward the light by the bias.
-    fn reference(&self, receiver: &Located, p: DVec2) -> f64 {
+    /// Depth of the receiver's plane at map coordinates `p`.
+    fn receiver_depth(&self, receiver: &Located, p: DVec2) -> f64 {
         let here = receiver.normal.dot(paraboloid::unproject_scaled(receiver.map));
         let there = receiver.normal.dot(paraboloid::unproject_scaled(p));
         // Without a plane (no normal, or the light in it) the receiver's own depth has to do.
         let slope = if here == 0.0 { 1.0 } else { (there / here).clamp(SLOPE.0, SLOPE.1) };
-        let incidence = here.abs() / (receiver.normal.length() * paraboloid::unproject_scaled(receiver.map).length());
-        let bias = (self.bias + self.tolerance / incidence.max(1e-3))
-            * paraboloid::texel_angle(receiver.map, self.geometry.texel());
-        paraboloid::depth(receiver.position, self.view.near) * slope / (1.0 - bias.min(0.5))
+        paraboloid::depth(receiver.position, self.view.near) * slope
+    }
+
+    /// How far a texel's votes for light and for darkness count, each from 0 to 1, by its margin: how far its content
+    /// stands before the receiver's plane, along the ray, in texel footprints.
+    fn votes(&self, receiver: &Located, margin: f64) -> (f64, f64) {
+        let grazing = 1.0 / receiver.incidence().max(1e-3);
+        let bias = self.bias + self.tolerance * grazing;
+        // Half along the ray and half along the normal.
+        let spread = 1.0 + grazing;
+        let before = (1.0 - margin / bias).max(0.0);
+        let behind = 1.0 / (1.0 - margin.min(0.0) / (FADE * spread));
+        let dark = ((margin - bias) / (RAMP * spread)).clamp(0.0, 1.0);
+        (if margin < 0.0 { behind } else { before }, dark)
     }
 
     fn sample_bilinear(&self, stored: impl Fn(usize) -> f64, receiver: &Located) -> f64 {
@@ -175,16 +203,19 @@ impl Lookup {
         let at = self.geometry.position(receiver.map) - 0.5;
         let base = at.floor().clamp(DVec2::ZERO, DVec2::splat(f64::from(last.saturating_sub(1))));
         let f = (at - base).clamp(DVec2::ZERO, DVec2::ONE);
-        let (i, j) = (base.x as u32, base.y as u32);
-        let lit = |i: u32, j: u32| {
-            let (i, j) = (i.min(last), j.min(last));
-            let hidden =
-                stored(self.geometry.index(receiver.back, i, j)) > self.reference(receiver, self.geometry.centre(i, j));
-            if hidden { 0.0 } else { 1.0 }
-        };
-        let upper = (1.0 - f.x) * lit(i, j) + f.x * lit(i + 1, j);
-        let lower = (1.0 - f.x) * lit(i, j + 1) + f.x * lit(i + 1, j + 1);
-        (1.0 - f.y) * upper + f.y * lower
+        let footprint = paraboloid::texel_angle(receiver.map, self.geometry.texel());
+        let (columns, rows) = ([1.0 - f.x, f.x], [1.0 - f.y, f.y]);
+        let (mut lit, mut dark) = (0.0, 0.0);
+        for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let (i, j) = ((base.x as u32 + x).min(last), (base.y as u32 + y).min(last));
+            let plane = self.receiver_depth(receiver, self.geometry.centre(i, j));
+            let nearer = stored(self.geometry.index(receiver.back, i, j)) / plane - 1.0;
+            let votes = self.votes(receiver, nearer / footprint);
+            let weight = columns[x as usize] * rows[y as usize];
+            lit += weight * votes.0;
+            dark += weight * votes.1;
+        }
+        1.0 - dark / f64::max(lit + dark, QUORUM)
     }
 }
 
@@ -300,36 +331,54 @@ mod tests {
         let mut random = Pcg64::seed_from_u64(4);
         for _ in 0..1000 {
             let d = random_direction(&mut random);
-            let normal = d;
-            let p = paraboloid::project(if d.z < 0.0 { DVec3::new(-d.x, d.y, -d.z) } else { d });
-            let footprint = 4.0 / 64.0 / (1.0 + p.length_squared());
-            let stored = |gap: f64| {
-                move |texel: usize| {
-                    let (_, i, j) = geometry.texel_at(texel);
-                    let q = paraboloid::unproject(geometry.centre(i, j));
-                    let in_map = if d.z < 0.0 { DVec3::new(-d.x, d.y, -d.z) } else { d };
-                    let t = (1.0 - gap * footprint) / q.dot(in_map);
-                    paraboloid::depth(q * t, 0.01)
-                }
+            let (in_map, _) = lookup.view.to_hemisphere(d);
+            let footprint = paraboloid::texel_angle(paraboloid::project(in_map), geometry.texel());
+            let value = |margin: f64| {
+                let distance = 1.0 / (1.0 + margin * footprint);
+                lookup.shadow(|texel| plane_depth(&geometry, in_map, distance, texel), d, d)
             };
-            assert_eq!(lookup.shadow(stored(0.51), d, normal), 0.0, "{d}");
-            assert!((lookup.shadow(stored(0.49), d, normal) - 1.0).abs() < 1e-12, "{d}");
+            assert_eq!(value(0.49), 1.0, "{d}");
+            assert!(value(0.52) < 0.5 && value(0.5 + 2.0 * RAMP) == 0.0, "{d}");
         }
     }
 
-    /// With one texel of the four dark, the answer falls by that texel's bilinear weight.
+    /// Depth in a texel of the plane at `distance` from the light, square to a unit direction of its hemisphere.
+    fn plane_depth(geometry: &MapGeometry, normal: DVec3, distance: f64, texel: usize) -> f64 {
+        let (_, i, j) = geometry.texel_at(texel);
+        paraboloid::plane_depth(normal, distance, geometry.centre(i, j), 0.01)
+    }
+
+    /// With one texel of the four dark and the others on the receiver's surface, the answer falls by that texel's
+    /// bilinear weight.
     #[test]
     fn weights_are_bilinear() {
+        for_one_dark_texel(
+            |d, dark, texel| if texel == dark { 1.0 } else { plane_depth(&GEOMETRY, d, 3.0, texel) },
+            |weight| 1.0 - weight,
+        );
+    }
+
+    /// Where the others show what is behind the receiver's surface, the dark one decides.
+    #[test]
+    fn texels_past_the_end_of_the_surface_hardly_count() {
+        for_one_dark_texel(
+            |_, dark, texel| if texel == dark { 1.0 } else { 0.0 },
+            |weight| (1.0 - weight / QUORUM).max(0.0),
+        );
+    }
+
+    /// Asks around a texel of the front map, with a surface square to the ray: `stored` gives the depth by the ray's
+    /// direction, the dark texel and the one that is read, `expected` the answer by the dark texel's bilinear weight.
+    fn for_one_dark_texel(stored: impl Fn(DVec3, usize, usize) -> f64, expected: impl Fn(f64) -> f64) {
         let lookup = Lookup { view: view(DVec3::ZERO, DQuat::IDENTITY), geometry: GEOMETRY, bias: 0.1, tolerance: 0.0 };
         let (i, j) = (40, 70);
         let dark = GEOMETRY.index(false, i, j);
-        let stored = |texel| if texel == dark { 1.0 } else { 0.0 };
         for (x, y) in [(0.0, 0.0), (0.25, 0.5), (-0.75, 0.1), (0.9, -0.9), (-0.3, -0.4), (1.1, 0.0)] {
             let p = GEOMETRY.centre(i, j) + DVec2::new(x, y) * GEOMETRY.texel();
-            let d = paraboloid::unproject(p) * 3.0;
-            let expected = 1.0 - f64::max(0.0, 1.0 - f64::abs(x)) * f64::max(0.0, 1.0 - f64::abs(y));
-            let value = lookup.shadow(stored, d, d);
-            assert!((value - expected).abs() < 1e-9, "{x} {y}: {value} {expected}");
+            let d = paraboloid::unproject(p);
+            let weight = f64::max(0.0, 1.0 - f64::abs(x)) * f64::max(0.0, 1.0 - f64::abs(y));
+            let value = lookup.shadow(|texel| stored(d, dark, texel), d * 3.0, d);
+            assert!((value - expected(weight)).abs() < 0.05, "{x} {y}: {value} {}", expected(weight));
         }
     }
 }

@@ -2,6 +2,7 @@
 //! to get a software one.
 
 mod analytic;
+mod axis;
 mod common;
 mod degenerate;
 mod hard_cases;

@@ -19,16 +19,17 @@ use crate::paraboloid::double as paraboloid;
 /// by a quarter of a texel more.
 pub const SURFACE_TOLERANCE: f64 = 1.0;
 
-/// A silhouette is where the true surface steps by more than this, measured likewise: a little less than what makes
-/// another surface, since the error of the interpolated depth may come on top of the step.
-const STEP: f64 = 0.75 * SURFACE_TOLERANCE;
-
-/// Distance between the rays that look for a silhouette, in texels along a spoke.
-const SILHOUETTE_STEP: f64 = 0.125;
-/// Rays of each ring around a texel that look for a silhouette.
+/// How far the true surface has to step to make a silhouette, in texel footprints along the normal. Less than
+/// [`SURFACE_TOLERANCE`], since what a wrong texel holds is the other surface with a depth error of its own, and that is
+/// along the other's normal: across an edge-on fold a step of 0.8 may be stored as one of 1.04.
+const SILHOUETTE_DEPTH: f64 = 0.5;
+/// Distance between the rings of rays that look for a silhouette, in texels, and how many of them there are.
+const SILHOUETTE_RINGS: (f64, usize) = (0.125, 16);
+/// The same close to the texel's centre, where it takes no more than a hairline crack between triangles for the ray and
+/// the rasteriser, with its grid of 1/256 texel, to meet different surfaces.
+const SILHOUETTE_INNER_RINGS: (f64, usize) = (1.0 / 256.0, 16);
+/// Rays of each ring.
 const SILHOUETTE_SPOKES: usize = 48;
-/// How far around a texel a silhouette is looked for, in texels.
-const SILHOUETTE_REACH: f64 = 2.0;
 
 /// Figures about the texels of a map.
 ///
@@ -53,8 +54,8 @@ pub struct MapError {
     /// Largest of the same.
     pub depth_error_max: f64,
     /// Wrong surfaces, holes and phantoms farther than one texel from every silhouette: from every place where the
-    /// true surface steps by more than three quarters of [`SURFACE_TOLERANCE`] between rays an eighth of a texel
-    /// apart. Silhouettes are looked for by rays, which can miss a thin one, so this is never too low.
+    /// true surface steps by more than half a texel footprint between rays an eighth of a texel apart, or a 256th of a
+    /// texel close by. Silhouettes are looked for by rays, which can miss a thin one, so this is never too low.
     #[serde(skip)]
     pub strays: usize,
     /// Largest distance from a wrong surface, hole or phantom to a silhouette, in texels; infinite when one is 2
@@ -189,6 +190,14 @@ fn silhouette_distances(verdicts: &[TexelVerdict], ideal: &IdealMap, reference: 
         .collect()
 }
 
+/// Radii of the rings of rays that look for a silhouette, in texels.
+fn silhouette_radii() -> impl Iterator<Item = f64> {
+    let (step, rings) = SILHOUETTE_RINGS;
+    let (inner_step, inner_rings) = SILHOUETTE_INNER_RINGS;
+    let inner = (1..=inner_rings).map(move |ring| ring as f64 * inner_step);
+    inner.chain((1..=rings).map(move |ring| ring as f64 * step))
+}
+
 struct SilhouetteSearch<'a> {
     geometry: MapGeometry,
     reference: &'a Reference,
@@ -208,9 +217,7 @@ impl SilhouetteSearch<'_> {
     /// outward, until the surface steps between one ring and the next. Infinite if none is within reach.
     fn distance(&self, p: DVec2, back: bool) -> f64 {
         let mut spokes = [self.cast(p, back); SILHOUETTE_SPOKES];
-        let rings = (SILHOUETTE_REACH / SILHOUETTE_STEP).round() as usize;
-        for ring in 1..=rings {
-            let radius = ring as f64 * SILHOUETTE_STEP;
+        for radius in silhouette_radii() {
             for (number, spoke) in spokes.iter_mut().enumerate() {
                 let angle = TAU * number as f64 / SILHOUETTE_SPOKES as f64;
                 let ray = self.cast(p + DVec2::from_angle(angle) * (radius * self.geometry.texel()), back);
@@ -241,7 +248,7 @@ impl SilhouetteSearch<'_> {
     /// Whether what a ray meets is off another triangle's plane.
     fn is_off(&self, ray: &Ray, hit: Hit, triangle: u32) -> bool {
         let height = self.reference.height(ray.direction * hit.t, triangle).abs();
-        height > STEP * ray.texel_angle * hit.t
+        height > SILHOUETTE_DEPTH * ray.texel_angle * hit.t
     }
 }
 
@@ -346,6 +353,28 @@ mod tests {
         let error = scene.error();
         assert_eq!(error.strays, 0, "{error:?}");
         assert!(error.silhouette_distance_max > 0.5 && error.silhouette_distance_max <= 1.0, "{error:?}");
+    }
+
+    /// A wall in front of a room, with and without a crack of a hundredth of a texel, a hundredth beside a texel's
+    /// centre: the room in that texel is at a silhouette or strays.
+    #[test]
+    fn a_hairline_crack_is_a_silhouette() {
+        let view = View { position: DVec3::ZERO, orientation: DQuat::IDENTITY, near: 0.05, range: f64::INFINITY };
+        let p = GEOMETRY.centre(70, 60);
+        let texel = GEOMETRY.index(false, 70, 60);
+        let d = paraboloid::unproject(p);
+        let footprint = 2.0 / d.z * paraboloid::texel_angle(p, GEOMETRY.texel());
+        let left = 2.0 * d.x / d.z + 0.01 * footprint;
+        for (crack, strays) in [(0.01 * footprint, 0), (0.0, 1)] {
+            let mut triangles = box_triangles(DVec3::splat(-3.0), DVec3::splat(3.0));
+            triangles.extend(sheet(DVec3::new(-1.0, -1.0, 2.0), DVec3::X * (left + 1.0), DVec3::Y * 2.0));
+            triangles.extend(sheet(DVec3::new(left + crack, -1.0, 2.0), DVec3::X * 2.0, DVec3::Y * 2.0));
+            let reference = Reference::new(&triangles, None, view.position);
+            let ideal = ideal_map(&reference, &view, GEOMETRY);
+            let mut stored: Vec<f32> = ideal.depths.iter().map(|&depth| depth as f32).collect();
+            stored[texel] *= 2.0 / 3.0;
+            assert_eq!(map_error(&stored, &ideal, &reference, &view).strays, strays, "{crack}");
+        }
     }
 
     #[test]
