@@ -29,6 +29,9 @@ const MOST_LEVELS: u32 = 15u;
 const RESERVE: u32 = 3u * MOST_LEVELS;
 // A piece is big if an edge has more than this many times the tolerable bend: it makes some dozens of pieces or more.
 const BIG: f32 = 64.0;
+// Share of the tolerance by which a chord of a triangle's outline may miss its arc. Less would only cost more pieces: where
+// the outline is decides which texels a triangle covers, and by then other errors are larger.
+const OUTLINE_SHARE: f32 = 0.4;
 // Chords inside of a triangle must not cross its outline, which is cut finely: near a corner they stay inside if they bend by
 // less than this share of the sine of the angle there, times the length of the outline's chords.
 const SHAPE: f32 = 0.15;
@@ -247,7 +250,8 @@ fn height_of(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> f32 {
 // How far parts of a triangle's own edges may bend: a function of the two ends alone, the same from both sides. As far as
 // they curve, chords miss them by the bend; depth along them is off by the bend too, as far as they are across the axis.
 fn outline_limits(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, slants: vec3<f32>) -> vec3<f32> {
-    return vec3<f32>(view.tolerance) / slants;
+    let curvatures = vec3<f32>(dp_edge_curvature(a, b), dp_edge_curvature(b, c), dp_edge_curvature(c, a));
+    return view.tolerance / max(slants, curvatures / OUTLINE_SHARE);
 }
 
 // How many times the bend they may have the edges have.

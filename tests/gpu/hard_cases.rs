@@ -3,15 +3,18 @@
 
 use crate::common::{descriptor, gpu};
 use dual_paraboloid::PointLight;
+use dual_paraboloid::compare::ideal::MapGeometry;
 use dual_paraboloid::compare::measure::{Figures, Made, Truth, light_for};
 use dual_paraboloid::compare::procedural::shapes::{
     append, cuboid, cylinder, icosphere, quad, tetrahedron, torus_knot,
 };
 use dual_paraboloid::compare::scene::{Scene, SceneInstance, SceneMesh};
+use dual_paraboloid::paraboloid::double as paraboloid;
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use proptest::prelude::*;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
+use std::collections::HashMap;
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 const RESOLUTION: u32 = 256;
@@ -101,15 +104,32 @@ fn figures(scene: &Scene, light: PointLight, resolution: u32, samples: usize) ->
     made(scene, light, resolution).figures(gpu(), &Truth::new(scene, &light, samples, 1))
 }
 
-/// What is wrong with the figures, if anything is.
-fn complaint(figures: &Figures) -> Option<String> {
+/// The parts per million of a truth's receivers that look at the texels which most of them look at. In a random scene
+/// with one small object all receivers may look at a few dozen texels, and whether a triangle covers a texel's centre is
+/// only certain within the tolerance: one such texel decides about so many receivers.
+fn busiest_texels_ppm(truth: &Truth, geometry: &MapGeometry, texels: usize) -> f64 {
+    let mut looks = HashMap::new();
+    for (position, _) in truth.inputs() {
+        let (x, back) = truth.view.to_hemisphere(position.as_dvec3() - truth.view.position);
+        let at = (geometry.position(paraboloid::project(x)) - 0.5).floor().as_ivec2();
+        for (column, row) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            *looks.entry((back, at.x + column, at.y + row)).or_insert(0usize) += 1;
+        }
+    }
+    let mut counts: Vec<usize> = looks.into_values().collect();
+    counts.sort_unstable();
+    counts.iter().rev().take(texels).sum::<usize>() as f64 * 1e6 / truth.receivers.len() as f64
+}
+
+/// What is wrong with the figures, if anything is; a share of `spare` parts per million more may be wrong.
+fn complaint(figures: &Figures, spare: f64) -> Option<String> {
     let (shadow, ideal, map) = (&figures.shadow.error, &figures.ideal, &figures.map);
-    let most = RATIO * ideal.wrong_ppm + slack_ppm(ideal.wrong_ppm, ideal.samples);
+    let most = RATIO * ideal.wrong_ppm + slack_ppm(ideal.wrong_ppm, ideal.samples) + spare;
     if shadow.samples == 0 || map.texels == 0 {
         Some("nothing was judged".into())
     } else if shadow.wrong_ppm > most {
         Some(format!("{:.0} wrong per million, {most:.0} allowed", shadow.wrong_ppm))
-    } else if shadow.far_wrong_ppm > ideal.far_wrong_ppm + FAR_WRONG {
+    } else if shadow.far_wrong_ppm > ideal.far_wrong_ppm + FAR_WRONG + spare {
         Some(format!("{:.0} far wrong, {:.0} at the floor", shadow.far_wrong_ppm, ideal.far_wrong_ppm))
     } else if map.strays > 0 {
         Some(format!("{} wrong texels far from a silhouette: {:.2} texels", map.strays, map.silhouette_distance_max))
@@ -141,7 +161,7 @@ fn check(name: &str, scene: &Scene, light: PointLight) -> Figures {
 fn check_at(resolution: u32, name: &str, scene: &Scene, light: PointLight) -> Figures {
     let figures = figures(scene, light, resolution, SAMPLES);
     print(name, &figures);
-    if let Some(complaint) = complaint(&figures) {
+    if let Some(complaint) = complaint(&figures, 0.0) {
         panic!("{name}: {complaint}: {figures:#?}");
     }
     figures
@@ -394,7 +414,7 @@ fn any_object() -> impl Strategy<Value = SceneMesh> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, max_shrink_iters: 100, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 32, max_shrink_iters: 100, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_scenes(
@@ -405,8 +425,10 @@ proptest! {
     ) {
         let scene = scene(objects.into_iter().chain(walls.then(|| room(8.0))));
         let light = turned(light_for(&scene, position.into()), Quat::from_scaled_axis(turn.into()));
-        let figures = figures(&scene, light, RESOLUTION, 50_000);
-        let complaint = complaint(&figures);
+        let made = made(&scene, light, RESOLUTION);
+        let truth = Truth::new(&scene, &light, 20_000, 1);
+        let figures = made.figures(gpu(), &truth);
+        let complaint = complaint(&figures, busiest_texels_ppm(&truth, &made.geometry(), 1));
         prop_assert!(complaint.is_none(), "{complaint:?}: {figures:#?}");
     }
 }
