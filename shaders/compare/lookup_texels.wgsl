@@ -24,16 +24,21 @@ fn texels_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let f = fract(first);
     let base = vec2<i32>(floor(first));
     let left = select(0, resolution, receiver.back);
+    let footprint = dp_texel_angle(receiver.map, 1.0 / texels);
     var lit = 0.0;
+    var dark = 0.0;
     for (var y = 0; y < TEXEL_SIDE; y++) {
         for (var x = 0; x < TEXEL_SIDE; x++) {
             let texel = clamp(base + vec2<i32>(x, y), vec2<i32>(0), vec2<i32>(resolution - 1));
             let p = (vec2<f32>(texel) + 0.5 - middle) * vec2<f32>(1.0, -1.0) / texels;
             let stored = textureLoad(dp_maps, texel + vec2<i32>(left, 0), light, 0);
             let weight = texel_weight(x, f.x) * texel_weight(y, f.y);
-            lit += select(weight, 0.0, stored > dp_reference(light, receiver, p));
+            let plane = dp_receiver_depth(light, receiver, p.xxxx, p.yyyy).x;
+            let votes = dp_votes(light, receiver, vec4<f32>((stored / plane - 1.0) / footprint));
+            lit += weight * votes.lit.x;
+            dark += weight * votes.dark.x;
         }
     }
     let across = f32(max(TEXEL_SIDE - 1, 1));
-    return lit / (across * across);
+    return 1.0 - dark / max(lit + dark, DP_QUORUM * across * across);
 }
