@@ -20,8 +20,9 @@ pub struct PointShadowsDescriptor {
     /// Texels across one hemisphere's map. A light takes `2 * resolution * resolution` texels of four bytes.
     /// For the texel count of a cube with faces of C texels across, take `sqrt(3) C`.
     pub resolution: u32,
-    /// How far a drawn edge may miss its true place in the map, in texels, and about how far a drawn surface its depth,
-    /// in texel footprints along its normal. Half of it means twice as many pieces of large triangles. In [0.01, 1].
+    /// How far depth may be off, in texel footprints along a surface's normal: by 4/3 of this at most away from the light,
+    /// and by half of this toward it. Edges miss their true place in the map by two fifths of it, in texels. Half of it
+    /// means up to twice as many pieces of large triangles. In [0.01, 1]; on maps smaller than 60 texels less is used.
     pub tolerance: f32,
     /// Width of the guard band around each hemisphere, in texels: lookups near the seam find all their texels in
     /// their own map. In [1, 16]; a sixteenth of the resolution at most is used.
@@ -29,7 +30,7 @@ pub struct PointShadowsDescriptor {
 }
 
 impl Default for PointShadowsDescriptor {
-    /// Four lights of 1024 texels across, to a twentieth of a texel, with a guard band of four texels.
+    /// Four lights of 1024 texels across, to a tenth of a texel, with a guard band of four texels.
     fn default() -> Self {
         Self { capacity: 4, resolution: 1024, tolerance: 0.1, guard: 4.0 }
     }
