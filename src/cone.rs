@@ -21,7 +21,7 @@ impl Cone {
         let axis = (sum.normalize_or_zero() * 127.0).round();
         let unit = axis.normalize_or_zero();
         let cosine = normals.map(|normal| normal.dot(unit)).fold(1.0, f32::min);
-        if cosine <= 0.0 {
+        if cosine <= 0.0 || unit == Vec3::ZERO {
             return Self::NONE;
         }
         let sine = ((1.0 - cosine * cosine).max(0.0).sqrt() + SLACK) * 127.0;
