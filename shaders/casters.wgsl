@@ -12,7 +12,7 @@ struct ChunkSource {
     local_vertex: u32,
     vertex: u32,
     triangle: u32,
-    // Vertices in bits 0-8, triangles in bits 9-17, culling in bits 18-19.
+    // Vertices in bits 0-8, triangles in bits 9-17, culling in bits 18-19, kind in bits 20-21.
     counts: u32,
     // Bounds, in the mesh's space, of the closed pieces that the chunk has triangles of.
     pieces_min: vec3<f32>,
@@ -67,4 +67,9 @@ fn triangle_count(source: ChunkSource) -> u32 {
 
 fn culling(source: ChunkSource) -> u32 {
     return (source.counts >> 18u) & 3u;
+}
+
+// By which jobs leave casters out: 0 for all so far.
+fn kind(source: ChunkSource) -> u32 {
+    return (source.counts >> 20u) & 3u;
 }

@@ -51,9 +51,10 @@ fn route(
     }
 }
 
-// The hemispheres that the chunk may be seen in, as bits; none if it is unused or out of range.
+// The hemispheres that the chunk may be seen in, as bits; none if it is unused, of another kind or out of range.
 fn hemispheres_of(chunk: u32) -> u32 {
-    if triangle_count(chunk_sources[chunk]) == 0u {
+    let source = chunk_sources[chunk];
+    if triangle_count(source) == 0u || (view.kinds & (1u << kind(source))) == 0u {
         return 0u;
     }
     let low = chunk_bounds[chunk].min - view.position;

@@ -26,6 +26,11 @@ struct View {
     piece_capacity: u32,
     // How far a chord may bend inside of a triangle, where its plane doesn't make it wrong.
     longest_bend: f32,
+    // Bit k is set if chunks of kind k take part.
+    kinds: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 // Arguments of the indirect draws, and the counters they come from. Index 0 is the front, 1 the back.

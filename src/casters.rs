@@ -100,7 +100,7 @@ pub(crate) struct ChunkSource {
     /// First vertex in world space.
     pub(crate) vertex: u32,
     pub(crate) triangle: u32,
-    /// Vertices in bits 0-8, triangles in bits 9-17, culling in bits 18-19.
+    /// Vertices in bits 0-8, triangles in bits 9-17, culling in bits 18-19, kind in bits 20-21.
     pub(crate) counts: u32,
     pub(crate) pieces_min: Vec3,
     pub(crate) instance: u32,

@@ -71,7 +71,7 @@ impl Route {
     }
 
     /// The stretches of chunks that the lists surely have room for.
-    pub(crate) fn jobs(&self, casters: &Casters) -> Vec<std::ops::Range<u32>> {
+    pub(crate) fn stretches(&self, casters: &Casters) -> Vec<std::ops::Range<u32>> {
         let chunks = casters.chunk_count();
         let step = if casters.triangle_count() <= u64::from(self.capacity) { chunks } else { self.capacity / CHUNK };
         (0..chunks).step_by(step.max(1) as usize).map(|first| first..(first + step).min(chunks)).collect()

@@ -10,7 +10,7 @@ use crate::lookup::Lookup;
 use crate::route::Route;
 use crate::slots::{Handle, Slots};
 use crate::split::Split;
-use crate::view::{Arguments, Capacities, MapShape, SLOT, View};
+use crate::view::{Arguments, Capacities, Job, MapShape, SLOT, View};
 
 /// How [`PointShadows`] are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -259,8 +259,12 @@ impl PointShadows {
         stale: &[(u32, PointLight)],
     ) {
         let replaced = self.route.fit(device, casters) | self.split.fit(device, &self.shape, self.wanted);
-        let ranges = self.route.jobs(casters);
-        self.write_jobs(device, queue, stale, &ranges);
+        let ranges = self.route.stretches(casters);
+        let jobs: Vec<Job> = stale
+            .iter()
+            .flat_map(|&(_, light)| ranges.iter().map(move |chunks| Job { light, chunks: chunks.clone(), kinds: !0 }))
+            .collect();
+        self.write_jobs(device, queue, &jobs);
         let key = (casters.owner(), casters.generation());
         if replaced || self.groups.as_ref().is_none_or(|groups| groups.key != key) {
             self.groups = Some(self.bind(device, casters, key));
@@ -302,29 +306,21 @@ impl PointShadows {
     }
 
     /// Writes each job's view and its counters' start, growing the buffers if there are more jobs than ever.
-    fn write_jobs(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        stale: &[(u32, PointLight)],
-        ranges: &[std::ops::Range<u32>],
-    ) {
+    fn write_jobs(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, jobs: &[Job]) {
         let room = Capacities { triangles: self.route.capacity(), pieces: self.split.capacity() };
-        let jobs = stale.len() * ranges.len();
-        self.jobs = jobs;
-        if jobs as u64 * SLOT > self.views.size() {
-            self.views = job_buffer(device, "views", jobs as u32, wgpu::BufferUsages::UNIFORM);
-            self.arguments = argument_buffer(device, jobs as u32);
-            self.demand = Demand::new(device, jobs as u32);
+        self.jobs = jobs.len();
+        if jobs.len() as u64 * SLOT > self.views.size() {
+            self.views = job_buffer(device, "views", jobs.len() as u32, wgpu::BufferUsages::UNIFORM);
+            self.arguments = argument_buffer(device, jobs.len() as u32);
+            self.demand = Demand::new(device, jobs.len() as u32);
             self.groups = None;
         }
-        let mut views = vec![0u8; jobs * SLOT as usize];
+        let mut views = vec![0u8; jobs.len() * SLOT as usize];
         let mut arguments = views.clone();
         let start = Arguments::new(room);
-        let all = stale.iter().flat_map(|(_, light)| ranges.iter().map(move |chunks| (light, chunks)));
         let slots = views.chunks_exact_mut(SLOT as usize).zip(arguments.chunks_exact_mut(SLOT as usize));
-        for ((light, chunks), (view_slot, argument_slot)) in all.zip(slots) {
-            let view = View::new(light, &self.shape, chunks.clone(), room);
+        for (job, (view_slot, argument_slot)) in jobs.iter().zip(slots) {
+            let view = View::new(job, &self.shape, room);
             view_slot[..size_of_val(&view)].copy_from_slice(bytemuck::bytes_of(&view));
             argument_slot[..size_of_val(&start)].copy_from_slice(bytemuck::bytes_of(&start));
         }

@@ -4,6 +4,7 @@
 use crate::light::{Coverage, PointLight};
 use crate::paraboloid;
 use glam::{Quat, Vec3};
+use std::ops::Range;
 
 /// Alignment of dynamic offsets that every device honours.
 pub(crate) const SLOT: u64 = 256;
@@ -71,6 +72,8 @@ pub(crate) struct View {
     list_capacity: u32,
     piece_capacity: u32,
     longest_bend: f32,
+    kinds: u32,
+    padding: [u32; 3],
 }
 
 /// Light space's axes in world space: the rows of the rotation from world to light space.
@@ -93,8 +96,18 @@ pub(crate) struct Capacities {
     pub(crate) pieces: u32,
 }
 
+/// What one run of the stages goes through for a light.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Job {
+    pub(crate) light: PointLight,
+    pub(crate) chunks: Range<u32>,
+    /// Bit k stands for chunks of kind k.
+    pub(crate) kinds: u32,
+}
+
 impl View {
-    pub(crate) fn new(light: &PointLight, shape: &MapShape, chunks: std::ops::Range<u32>, room: Capacities) -> Self {
+    pub(crate) fn new(job: &Job, shape: &MapShape, room: Capacities) -> Self {
+        let Job { light, chunks, kinds } = job;
         let [right, up, forward] = axes(light.orientation);
         Self {
             right,
@@ -113,6 +126,8 @@ impl View {
             list_capacity: room.triangles,
             piece_capacity: room.pieces,
             longest_bend: shape.longest_bend(),
+            kinds: *kinds,
+            padding: [0; 3],
         }
     }
 }
