@@ -22,7 +22,7 @@ fn depth(@location(0) position: vec3<f32>) -> @invariant @builtin(position) vec4
     return clip_position(position);
 }
 
-// A corner of a piece, with the piece's shift of 1/w.
+// A corner of a piece, with its shift of 1/w.
 @vertex
 fn depth_of_piece(@location(0) corner: vec4<f32>) -> @invariant @builtin(position) vec4<f32> {
     let clip = clip_position(corner.xyz);

@@ -167,7 +167,10 @@ fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
     if hidden && is_culled(a.xy, b.xy, c.xy, cull) {
         return DROP;
     }
-    return select(DRAW, DROP, REJECT && is_between_texels(a.xy, b.xy, c.xy));
+    if REJECT && is_between_texels(a.xy, b.xy, c.xy) {
+        return DROP;
+    }
+    return select(DRAW, SPLIT, any(sliver_shifts(a, b, c) != vec3<f32>()));
 }
 
 // Hemisphere space again.

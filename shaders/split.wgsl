@@ -13,7 +13,7 @@
 @group(0) @binding(1) var<storage, read_write> arguments: Arguments;
 @group(0) @binding(2) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(3) var<storage, read> vertices: array<CasterVertex>;
-// Three corners a piece, relative to the light, each with the piece's depth shift; a part for each hemisphere.
+// Three corners a piece, relative to the light, each with a shift of its 1/w; a part for each hemisphere.
 @group(0) @binding(4) var<storage, read_write> pieces: array<vec4<f32>>;
 // Middling parts of big triangles, as on the stack; a part for each hemisphere.
 @group(0) @binding(5) var<storage, read_write> parts: array<Stacked>;
@@ -35,8 +35,9 @@ const OUTLINE_SHARE: f32 = 0.4;
 // Chords inside of a triangle must not cross its outline, which is cut finely: near a corner they stay inside if they bend by
 // less than this share of the sine of the angle there, times the length of the outline's chords.
 const SHAPE: f32 = 0.15;
-// A piece is shifted wholly if its height in the map is so many times its bend; where it is thinner, what the shift is
-// computed from lies outside of the piece. Away from the light that hardly matters, toward it that would be acne.
+// A piece isn't shifted if its height in the map is less than its bend, and wholly if it is so many times the bend more:
+// what the shift of a thinner one is computed from lies outside of it. Away from the light that hardly matters, toward it
+// that would be acne.
 const THICK_AWAY: f32 = 2.0;
 const THICK_TOWARD: f32 = 30.0;
 // Parts that a hemisphere has room for; what finds none is cut where it is.
@@ -100,7 +101,7 @@ fn split(
 // Empties the stack. Every cut halves an edge's angle and no piece is cut more than MOST_LEVELS times, so this ends.
 fn work(hemisphere: u32, thread: u32) {
     var leaf: Piece;
-    var shift = 0.0;
+    var shift = vec3<f32>();
     var is_leaf = false;
     var place = 0u;
     loop {
@@ -196,8 +197,8 @@ fn relative_position(vertex: u32) -> vec3<f32> {
     return vertices[vertex].position - view.position;
 }
 
-// Pushes the parts of a piece; or returns true if it is to be drawn, with its depth shift.
-fn cut(piece: Piece, hemisphere: u32, shift: ptr<function, f32>) -> bool {
+// Pushes the parts of a piece; or returns true if it is to be drawn, with the shifts of its corners.
+fn cut(piece: Piece, hemisphere: u32, shift: ptr<function, vec3<f32>>) -> bool {
     let x = hemisphere_space(piece.a, hemisphere);
     let y = hemisphere_space(piece.b, hemisphere);
     let z = hemisphere_space(piece.c, hemisphere);
@@ -216,7 +217,8 @@ fn cut(piece: Piece, hemisphere: u32, shift: ptr<function, f32>) -> bool {
     let edges = cuts.x | cuts.y | cuts.z;
     if edges == 0u || level == MOST_LEVELS {
         let cull = select(0.0, 1.0, (piece.info & (1u << 22u)) != 0u) - select(0.0, 1.0, (piece.info & (2u << 22u)) != 0u);
-        *shift = depth_shift(piece, a, b, c);
+        let flat = sliver_shifts(a, b, c);
+        *shift = select(vec3<f32>(depth_shift(piece, a, b, c)), flat, any(flat != vec3<f32>()));
         return !(is_culled(a.xy, b.xy, c.xy, cull) || (REJECT && is_between_texels(a.xy, b.xy, c.xy)));
     }
     let big = COARSE && max(excess.x, max(excess.y, excess.z)) > BIG;
@@ -276,7 +278,8 @@ fn depth_shift(piece: Piece, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {
     let obtuse = 2.0 * longest >= squares.x + squares.y + squares.z;
     let farthest = select(min(circle, longest / 3.0), 0.25 * longest, obtuse);
     let limit = 0.25 / max(abs(a.z), max(abs(b.z), abs(c.z)));
-    let thin = clamp(height_of(a.xy, b.xy, c.xy) / (select(THICK_AWAY, THICK_TOWARD, piece.lean > 0.0) * 0.125 * longest), 0.0, 1.0);
+    let thickness = height_of(a.xy, b.xy, c.xy) / (0.125 * longest) - 1.0;
+    let thin = clamp(thickness / select(THICK_AWAY, THICK_TOWARD, piece.lean > 0.0), 0.0, 1.0);
     let toward = min(0.5 * farthest, 0.5 * view.tolerance / (view.texels * max(piece.slant, 1e-6)));
     let shift = 0.5 * piece.lean * select(farthest, toward, piece.lean > 0.0) * thin;
     return clamp(shift, -limit, limit);
@@ -332,15 +335,15 @@ fn reserve(hemisphere: u32, count: u32) -> u32 {
     return base;
 }
 
-fn write_leaf(hemisphere: u32, place: u32, piece: Piece, shift: f32) {
+fn write_leaf(hemisphere: u32, place: u32, piece: Piece, shift: vec3<f32>) {
     if place >= view.piece_capacity {
         mark_overflow(hemisphere, piece.info & 0x3fffffu);
         return;
     }
     let at = 3u * (view.piece_capacity * hemisphere + place);
-    pieces[at] = vec4<f32>(piece.a, shift);
-    pieces[at + 1u] = vec4<f32>(piece.b, shift);
-    pieces[at + 2u] = vec4<f32>(piece.c, shift);
+    pieces[at] = vec4<f32>(piece.a, shift.x);
+    pieces[at + 1u] = vec4<f32>(piece.b, shift.y);
+    pieces[at + 2u] = vec4<f32>(piece.c, shift.z);
 }
 
 // The whole triangle is drawn exactly, besides the pieces of it that had room.

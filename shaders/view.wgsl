@@ -140,3 +140,37 @@ fn is_culled(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, cull: f32) -> bool {
     let longest = sqrt(max(dot(e, e), max(dot(f, f), dot(g, g))));
     return area * cull > longest * raster_margin(view.resolution) * 2.0;
 }
+
+// Height in texels below which a triangle is a sliver: the rasteriser's grid, of 1/256 texel, then makes the slope of its
+// depth across a guess.
+const SLIVER_HEIGHT: f32 = 0.03125;
+// Texel footprints across a sliver, in units of its height, from where on that guess may be off by half a footprint.
+const SLIVER_SLOPE: f32 = 64.0;
+
+// What has to be added to 1/w of each corner so that a sliver seen edge-on has the depth of its longest edge all over. Else
+// its depth, continued across, might come out nearer than all its corners. 0 for other triangles.
+fn sliver_shifts(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
+    let e = b.xy - a.xy;
+    let f = c.xy - b.xy;
+    let g = a.xy - c.xy;
+    let squares = vec3<f32>(dot(e, e), dot(f, f), dot(g, g));
+    if squares.x >= max(squares.y, squares.z) {
+        return vec3<f32>(0.0, 0.0, apex_shift(c, a, b));
+    }
+    if squares.y >= squares.z {
+        return vec3<f32>(apex_shift(a, b, c), 0.0, 0.0);
+    }
+    return vec3<f32>(0.0, apex_shift(b, c, a), 0.0);
+}
+
+// The same for the corner that is opposite the longest edge, from p to q.
+fn apex_shift(apex: vec3<f32>, p: vec3<f32>, q: vec3<f32>) -> f32 {
+    let edge = q.xy - p.xy;
+    let to_apex = apex.xy - p.xy;
+    let square = max(dot(edge, edge), 1e-30);
+    let height = abs(edge.x * to_apex.y - edge.y * to_apex.x) / sqrt(square) * view.texels;
+    let on_edge = mix(1.0 / abs(p.z), 1.0 / abs(q.z), dot(edge, to_apex) / square);
+    let shift = on_edge - 1.0 / abs(apex.z);
+    let footprints = abs(shift * apex.z) * view.texels;
+    return select(0.0, shift, height < SLIVER_HEIGHT && footprints > SLIVER_SLOPE * height);
+}

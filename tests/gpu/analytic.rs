@@ -1,8 +1,11 @@
 //! Maps of scenes whose depth has a closed form.
 
 use crate::common::{Map, Texel, box_inside, gpu, map, soup};
+use crate::hard_cases::orientation;
 use dual_paraboloid::{PointLight, Sides, paraboloid::double};
 use glam::{DQuat, DVec3, Quat, Vec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
 use std::f32::consts::FRAC_PI_2;
 
 const RESOLUTIONS: [u32; 6] = [64, 128, 256, 512, 1024, 2048];
@@ -118,4 +121,32 @@ fn above_a_plane() {
         }
     }
     gpu().wait();
+}
+
+/// Fins seen from their edge: what is drawn of them is a line, and the slope of its depth a guess. None may come out
+/// nearer than it is.
+#[test]
+fn fins_seen_edge_on() {
+    let mut random = Pcg64::seed_from_u64(5);
+    let (near, far) = (1.0, 2.0);
+    let fins = (0..2000).flat_map(|_| {
+        let turn = orientation(&mut random);
+        let (width, off) = (10f32.powf(random.random_range(-2.0..0.0)), 10f32.powf(random.random_range(-7.0..-2.0)));
+        let corner = |x: f32, z: f32| turn * Vec3::new(x, off, z);
+        let quad = [corner(0.0, near), corner(width, near), corner(width, far), corner(0.0, far)];
+        [[quad[0], quad[1], quad[2]], [quad[0], quad[2], quad[3]]]
+    });
+    let mut casters = soup(&fins.collect::<Vec<_>>(), Sides::Both);
+    for resolution in [256, 1024] {
+        let light = PointLight { range: 50.0, ..Default::default() };
+        let map = map(&mut casters, light, resolution);
+        let mut drawn = 0;
+        for texel in map.discs().filter(|texel| texel.depth > 0.0) {
+            let distance = distance(&texel, &light);
+            let allowed = 1.0 - 0.02;
+            assert!(distance > allowed * f64::from(near), "{texel:?}: at {distance}, before the nearest fin");
+            drawn += 1;
+        }
+        assert!(drawn > 100, "{drawn} texels");
+    }
 }
