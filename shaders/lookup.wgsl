@@ -139,5 +139,6 @@ fn dp_sample_bilinear(light: u32, receiver: DpReceiver) -> f32 {
     let nearer = stored / dp_receiver_depth(light, receiver, u, v) - 1.0;
     let votes = dp_votes(light, receiver, nearer / dp_texel_angle(receiver.map, 1.0 / texels));
     let dark = dot(weights, votes.dark);
-    return 1.0 - dark / max(dot(weights, votes.lit) + dark, DP_QUORUM);
+    // Division may be rounded up.
+    return max(1.0 - dark / max(dot(weights, votes.lit) + dark, DP_QUORUM), 0.0);
 }

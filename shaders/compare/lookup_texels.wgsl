@@ -40,5 +40,5 @@ fn texels_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
         }
     }
     let across = f32(max(TEXEL_SIDE - 1, 1));
-    return 1.0 - dark / max(lit + dark, DP_QUORUM * across * across);
+    return max(1.0 - dark / max(lit + dark, DP_QUORUM * across * across), 0.0);
 }
