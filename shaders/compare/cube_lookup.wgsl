@@ -113,5 +113,5 @@ fn cube_shadow_plane(position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let votes_lit = select(before, behind, margin < vec4<f32>(0.0));
     let weights = vec4<f32>((1.0 - f.x) * f.y, f.x * f.y, f.x * (1.0 - f.y), (1.0 - f.x) * (1.0 - f.y));
     let dark = dot(weights, votes_dark);
-    return 1.0 - dark / max(dot(weights, votes_lit) + dark, CUBE_QUORUM);
+    return max(1.0 - dark / max(dot(weights, votes_lit) + dark, CUBE_QUORUM), 0.0);
 }
