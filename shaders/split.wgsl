@@ -13,7 +13,8 @@
 @group(0) @binding(1) var<storage, read_write> arguments: Arguments;
 @group(0) @binding(2) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(3) var<storage, read> vertices: array<CasterVertex>;
-// Three corners a piece, relative to the light, each with the piece's depth shift; a part for each hemisphere.
+// Three corners a piece, relative to the light, each with the piece's depth shift; a part for each hemisphere. Of masked
+// casters the second corner has the triangle's number in the lists instead.
 @group(0) @binding(4) var<storage, read_write> pieces: array<vec4<f32>>;
 // Middling parts of big triangles, as on the stack; a part for each hemisphere.
 @group(0) @binding(5) var<storage, read_write> parts: array<Stacked>;
@@ -339,7 +340,9 @@ fn write_leaf(hemisphere: u32, place: u32, piece: Piece, shift: f32) {
     }
     let at = 3u * (view.piece_capacity * hemisphere + place);
     pieces[at] = vec4<f32>(piece.a, shift);
-    pieces[at + 1u] = vec4<f32>(piece.b, shift);
+    // The triangle's number in the lists is below 2^24, so a float holds it.
+    let number = f32(list_place(hemisphere, piece.info & 0x3fffffu) / 3u);
+    pieces[at + 1u] = vec4<f32>(piece.b, select(shift, number, is_masked_job()));
     pieces[at + 2u] = vec4<f32>(piece.c, shift);
 }
 

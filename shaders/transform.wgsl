@@ -40,8 +40,10 @@ fn transform_chunk(chunk: u32, thread: u32) {
         let vertex = local_vertices[source.local_vertex + v];
         let local = vec4<f32>(vertex.position, 1.0);
         let world = vec3<f32>(dot(row_x, local), dot(row_y, local), dot(row_z, local));
-        let cone = cone_in_world(vertex.normals, row_x.xyz, row_y.xyz, row_z.xyz);
-        vertices[source.vertex + v] = CasterVertex(world, pack4x8snorm(cone + vec4<f32>(0.0, 0.0, 0.0, PACKING)));
+        let cone = cone_in_world(vertex.data, row_x.xyz, row_y.xyz, row_z.xyz);
+        let packed = pack4x8snorm(cone + vec4<f32>(0.0, 0.0, 0.0, PACKING));
+        let masked = (kind(source) & KIND_MASKED) != 0u;
+        vertices[source.vertex + v] = CasterVertex(world, select(packed, vertex.data, masked));
         low = min(low, world);
         high = max(high, world);
     }

@@ -7,6 +7,7 @@ use crate::Error;
 use crate::arena::Arena;
 use crate::chunks::{self, Bounds, Chunk, Culling, Vertex};
 use crate::cone::Cone;
+use crate::mask::{Mask, MaskedMesh, Masks};
 use crate::ranges::Ranges;
 use crate::slots::{Handle, Slots};
 use crate::transform::Transform;
@@ -20,6 +21,12 @@ pub enum Indices<'a> {
     U16(&'a [u16]),
     /// 32 bits an index.
     U32(&'a [u32]),
+}
+
+impl Default for Indices<'_> {
+    fn default() -> Self {
+        Self::U32(&[])
+    }
 }
 
 impl Indices<'_> {
@@ -52,7 +59,7 @@ pub enum Sides {
 }
 
 /// A mesh to cast shadows, in its own space.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct CasterMesh<'a> {
     /// Vertices; finite.
     pub positions: &'a [[f32; 3]],
@@ -60,6 +67,8 @@ pub struct CasterMesh<'a> {
     pub indices: Indices<'a>,
     /// Which sides cast.
     pub sides: Sides,
+    /// Where it has holes, if it has any.
+    pub mask: Option<Mask<'a>>,
 }
 
 /// Handle of a mesh in the [`Casters`] that gave it.
@@ -79,6 +88,7 @@ struct Mesh {
     chunks: Vec<Chunk>,
     bounds: Bounds,
     instances: usize,
+    mask: Option<MaskedMesh>,
 }
 
 #[derive(Debug)]
@@ -107,6 +117,9 @@ pub(crate) struct ChunkSource {
     pub(crate) pieces_max: Vec3,
     pub(crate) normals: Cone,
 }
+
+/// Bit of a chunk's kind; twin of the constant in `shaders/casters.wgsl`.
+const KIND_MASKED: u32 = 2;
 
 /// What moved, came or went: the bounds before and after, whichever there were.
 #[derive(Debug, Clone, Copy)]
@@ -137,6 +150,7 @@ pub struct Casters {
     vertex_ranges: Ranges,
     chunk_ranges: Ranges,
     triangle_count: u64,
+    masked_instances: usize,
     moved: Vec<Handle>,
     changes: VecDeque<Change>,
     first_change: u64,
@@ -146,6 +160,7 @@ pub struct Casters {
     pub(crate) chunk_sources: Arena,
     pub(crate) chunk_bounds: Arena,
     pub(crate) transforms: Arena,
+    masks: Masks,
     transform: Transform,
 }
 
@@ -163,6 +178,7 @@ impl Casters {
             vertex_ranges: Ranges::default(),
             chunk_ranges: Ranges::default(),
             triangle_count: 0,
+            masked_instances: 0,
             moved: Vec::new(),
             changes: VecDeque::new(),
             first_change: 0,
@@ -172,6 +188,7 @@ impl Casters {
             chunk_sources: arena("chunks", size_of::<ChunkSource>() as u64, wgpu::BufferUsages::empty()),
             chunk_bounds: arena("chunk bounds", CHUNK_BOUNDS_SIZE, wgpu::BufferUsages::empty()),
             transforms: arena("transforms", 48, wgpu::BufferUsages::empty()),
+            masks: Masks::new(device),
             transform: Transform::new(device),
         }
     }
@@ -185,18 +202,29 @@ impl Casters {
     /// Bytes that the casters take on the GPU.
     #[must_use]
     pub fn memory(&self) -> u64 {
-        self.arenas().iter().map(|arena| arena.size()).sum()
+        self.arenas().map(Arena::size).sum()
     }
 
-    fn arenas(&self) -> [&Arena; 6] {
-        [
+    fn arenas(&self) -> impl Iterator<Item = &Arena> {
+        let own = [
             &self.local_vertices,
             &self.triangles,
             &self.vertices,
             &self.chunk_sources,
             &self.chunk_bounds,
             &self.transforms,
-        ]
+        ];
+        own.into_iter().chain(self.masks.arenas())
+    }
+
+    /// Whether any instance has holes.
+    pub(crate) fn has_masked(&self) -> bool {
+        self.masked_instances > 0
+    }
+
+    /// What `shaders/mask.wgsl` reads.
+    pub(crate) fn mask_buffers(&self) -> [&wgpu::Buffer; 3] {
+        self.masks.arenas().map(Arena::buffer)
     }
 
     /// Adds a mesh; it casts once it has instances. Takes time in proportion to its triangles: they are welded by
@@ -205,13 +233,23 @@ impl Casters {
     ///
     /// # Errors
     /// [`Error::EmptyMesh`], [`Error::IndexCount`], [`Error::IndexOutOfRange`] or [`Error::PositionNotFinite`] for
-    /// wrong input, [`Error::CastersTooLarge`] if the device can't bind that much.
+    /// wrong input, [`Error::TextureCoordinateCount`], [`Error::TextureCoordinateNotFinite`] or [`Error::InvalidMask`]
+    /// for a wrong mask, [`Error::CastersTooLarge`] if the device can't bind that much.
     pub fn add_mesh(&mut self, mesh: &CasterMesh) -> Result<MeshId, Error> {
         validate(mesh)?;
-        let cut = chunks::cut(mesh);
+        let mut cut = chunks::cut(mesh);
         let (vertices, triangles) = (cut.vertices.len() as u32, cut.triangles.len() as u32);
         self.local_vertices.check(self.local_ranges.end_after(vertices))?;
         self.triangles.check(self.triangle_ranges.end_after(triangles))?;
+        if let Some(mask) = &mesh.mask {
+            self.masks.check(mask, vertices)?;
+        }
+        let mask = mesh.mask.as_ref().map(|mask| self.masks.add(mask, &cut.texture_coordinates));
+        if let Some(mask) = &mask {
+            for (vertex, place) in cut.vertices.iter_mut().zip(mask.first_vertex()..) {
+                vertex.data = place;
+            }
+        }
         let first_vertex = self.local_ranges.allocate(vertices);
         let first_triangle = self.triangle_ranges.allocate(triangles);
         self.local_vertices.write(first_vertex, bytemuck::cast_slice(&cut.vertices));
@@ -224,6 +262,7 @@ impl Casters {
             chunks: cut.chunks,
             bounds: cut.bounds,
             instances: 0,
+            mask,
         };
         Ok(MeshId(self.meshes.insert(mesh)))
     }
@@ -239,6 +278,9 @@ impl Casters {
         }
         self.local_ranges.release(mesh.first_vertex, mesh.vertex_count);
         self.triangle_ranges.release(mesh.first_triangle, mesh.triangle_count);
+        if let Some(mask) = &mesh.mask {
+            self.masks.remove(mask);
+        }
         self.meshes.remove(id.0)?;
         Ok(())
     }
@@ -259,6 +301,7 @@ impl Casters {
         let first_vertex = self.vertex_ranges.allocate(entry.vertex_count);
         let first_chunk = self.chunk_ranges.allocate(chunk_count);
         self.triangle_count += u64::from(entry.triangle_count);
+        self.masked_instances += usize::from(entry.mask.is_some());
         let instance = Instance { mesh: mesh.0, first_vertex, first_chunk, bounds, moved: true };
         let handle = self.instances.insert(instance);
         let entry = self.meshes.get_mut(mesh.0)?;
@@ -299,6 +342,7 @@ impl Casters {
         let chunk_count = mesh.chunks.len() as u32;
         mesh.instances -= 1;
         self.triangle_count -= u64::from(mesh.triangle_count);
+        self.masked_instances -= usize::from(mesh.mask.is_some());
         self.vertex_ranges.release(first_vertex, mesh.vertex_count);
         self.chunk_ranges.release(first_chunk, chunk_count);
         let none: ChunkSource = bytemuck::Zeroable::zeroed();
@@ -339,7 +383,7 @@ impl Casters {
 
     /// Changes whenever a buffer was replaced, so that bind groups have to be made anew.
     pub(crate) fn generation(&self) -> u64 {
-        self.arenas().iter().map(|arena| arena.generation()).sum()
+        self.arenas().map(Arena::generation).sum()
     }
 
     /// Brings the GPU's copy up to date: grows or shrinks buffers, writes what was added, transforms what moved.
@@ -353,6 +397,7 @@ impl Casters {
         self.chunk_sources.update(device, queue, encoder, chunks);
         self.chunk_bounds.update(device, queue, encoder, chunks);
         self.transforms.update(device, queue, encoder, slots);
+        self.masks.update(device, queue, encoder);
         let jobs = self.take_moved_chunks();
         if !jobs.is_empty() {
             let arenas =
@@ -394,7 +439,7 @@ fn validate(mesh: &CasterMesh) -> Result<(), Error> {
     }
     match mesh.positions.iter().position(|p| !Vec3::from(*p).is_finite()) {
         Some(vertex) => Err(Error::PositionNotFinite { vertex, value: mesh.positions[vertex] }),
-        None => Ok(()),
+        None => mesh.mask.map_or(Ok(()), |mask| mask.validate(positions)),
     }
 }
 
@@ -404,13 +449,14 @@ fn chunk_source(mesh: &Mesh, chunk: &Chunk, first_vertex: u32, instance: u32) ->
         Culling::Closed => 1,
         Culling::Always => 2,
     };
+    let kind = if mesh.mask.is_some() { KIND_MASKED } else { 0 };
     let pieces =
         if chunk.culling == Culling::Closed { chunk.pieces } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
     ChunkSource {
         local_vertex: mesh.first_vertex + chunk.first_vertex,
         vertex: first_vertex + chunk.first_vertex,
         triangle: mesh.first_triangle + chunk.first_triangle,
-        counts: chunk.vertex_count | chunk.triangle_count << 9 | culling << 18,
+        counts: chunk.vertex_count | chunk.triangle_count << 9 | culling << 18 | kind << 20,
         pieces_min: pieces.min,
         instance,
         pieces_max: pieces.max,

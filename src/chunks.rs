@@ -64,8 +64,9 @@ pub(crate) struct Chunk {
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Vertex {
     pub(crate) position: Vec3,
-    /// The normals of all triangles around it, if back faces may be dropped where there is no front face.
-    pub(crate) normals: Cone,
+    /// [`Cone`] of the normals of all triangles around it, if back faces may be dropped where there is no front face. Of
+    /// masked meshes the place of what the vertex has for the mask.
+    pub(crate) data: u32,
 }
 
 /// A mesh cut into chunks.
@@ -73,6 +74,8 @@ pub(crate) struct Vertex {
 pub(crate) struct ChunkedMesh {
     /// The chunks' vertices, one run a chunk.
     pub(crate) vertices: Vec<Vertex>,
+    /// Of masked meshes the vertices' texture coordinates, else none.
+    pub(crate) texture_coordinates: Vec<[f32; 2]>,
     /// A triangle's corners as places in its chunk's run of vertices: bits 0-7, 8-15, 16-23.
     pub(crate) triangles: Vec<u32>,
     pub(crate) chunks: Vec<Chunk>,
@@ -90,7 +93,7 @@ struct Triangle {
 
 /// Cuts a mesh whose values have been checked. Triangles of no area are left out: they cast nothing.
 pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
-    let (positions, corners) = weld(mesh);
+    let (positions, corners, texture_coordinates) = weld(mesh);
     let mut triangles: Vec<Triangle> = corners
         .into_iter()
         .map(|c| Triangle {
@@ -100,7 +103,9 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
             piece: 0,
         })
         .collect();
-    let pieces = if mesh.sides == Sides::Auto { find_closed_pieces(&positions, &mut triangles) } else { Vec::new() };
+    // Holes show back faces.
+    let closes = mesh.sides == Sides::Auto && mesh.mask.is_none();
+    let pieces = if closes { find_closed_pieces(&positions, &mut triangles) } else { Vec::new() };
 
     let mut cutter = Cutter {
         positions: &positions,
@@ -108,13 +113,24 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
         always: mesh.sides == Sides::Front,
         local: vec![u32::MAX; positions.len()],
         welded: Vec::new(),
-        out: ChunkedMesh { vertices: Vec::new(), triangles: Vec::new(), chunks: Vec::new(), bounds: Bounds::EMPTY },
+        out: ChunkedMesh {
+            vertices: Vec::new(),
+            texture_coordinates: Vec::new(),
+            triangles: Vec::new(),
+            chunks: Vec::new(),
+            bounds: Bounds::EMPTY,
+        },
     };
     let split = closed_first(&mut triangles);
     let (closed, open) = triangles.split_at_mut(split);
     cutter.cut(closed);
     cutter.cut(open);
-    cutter.bound_normals();
+    if mesh.mask.is_some() {
+        let coordinates = cutter.welded.iter().map(|&vertex| texture_coordinates[vertex as usize]);
+        cutter.out.texture_coordinates = coordinates.collect();
+    } else {
+        cutter.bound_normals();
+    }
     for vertex in &cutter.out.vertices {
         cutter.out.bounds.extend(vertex.position);
     }
@@ -127,19 +143,25 @@ fn closed_first(triangles: &mut [Triangle]) -> usize {
     triangles.partition_point(|t| t.closed)
 }
 
-/// Positions without repetition, and the triangles of some area by them.
-fn weld(mesh: &CasterMesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+/// Positions without repetition, the triangles of some area by them, and the positions' texture coordinates: of masked
+/// meshes one position is there once for each. Of others all are the same.
+fn weld(mesh: &CasterMesh) -> (Vec<Vec3>, Vec<[u32; 3]>, Vec<[f32; 2]>) {
+    let coordinates = |v: u32| mesh.mask.map_or([0.0; 2], |mask| mask.texture_coordinates[v as usize]);
     // Adding 0 makes -0 and 0 the same bits.
-    let key = |v: u32| (Vec3::from(mesh.positions[v as usize]) + 0.0).to_array().map(f32::to_bits);
+    let key = |v: u32| {
+        let position = (Vec3::from(mesh.positions[v as usize]) + 0.0).to_array().map(f32::to_bits);
+        (position, coordinates(v).map(f32::to_bits))
+    };
     let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     order.sort_unstable_by_key(|&v| (key(v), v));
     let mut welded = vec![0u32; order.len()];
-    let mut positions: Vec<Vec3> = Vec::new();
+    let (mut positions, mut texture_coordinates) = (Vec::new(), Vec::new());
     let mut last = None;
     for &v in &order {
         let bits = key(v);
         if last != Some(bits) {
-            positions.push(Vec3::from_array(bits.map(f32::from_bits)));
+            positions.push(Vec3::from_array(bits.0.map(f32::from_bits)));
+            texture_coordinates.push(coordinates(v));
             last = Some(bits);
         }
         welded[v as usize] = positions.len() as u32 - 1;
@@ -155,7 +177,7 @@ fn weld(mesh: &CasterMesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         }
         Indices::U32(list) => list.as_chunks().0.iter().map(|&i: &[u32; 3]| triangle(i)).filter(casts).collect(),
     };
-    (positions, corners)
+    (positions, corners, texture_coordinates)
 }
 
 /// One direction of a triangle's edge.
@@ -320,7 +342,7 @@ impl Cutter<'_> {
                 let local = &mut self.local[vertex as usize];
                 if *local == u32::MAX {
                     *local = (self.out.vertices.len() - first_vertex) as u32;
-                    self.out.vertices.push(Vertex { position: self.positions[vertex as usize], normals: Cone::NONE });
+                    self.out.vertices.push(Vertex { position: self.positions[vertex as usize], data: Cone::NONE.0 });
                     self.welded.push(vertex);
                 }
                 packed |= (*local & 0xff) << (8 * place);
@@ -376,7 +398,7 @@ impl Cutter<'_> {
             first = own.end;
             let run = chunk.first_vertex as usize..(chunk.first_vertex + chunk.vertex_count) as usize;
             for (vertex, &welded) in self.out.vertices[run.clone()].iter_mut().zip(&self.welded[run]) {
-                vertex.normals = Cone::new(around.triangles(welded).iter().map(|&t| normals[t as usize]));
+                vertex.data = Cone::new(around.triangles(welded).iter().map(|&t| normals[t as usize])).0;
             }
             let seen = corners[own].iter().flatten().flat_map(|&v| around.triangles(v));
             chunk.normals = Cone::new(seen.map(|&t| normals[t as usize]));

@@ -6,6 +6,9 @@ const VIEW: &str = include_str!("../shaders/view.wgsl");
 const TRANSFORM: &str = include_str!("../shaders/transform.wgsl");
 const ROUTE: &str = include_str!("../shaders/route.wgsl");
 const SPLIT: &str = include_str!("../shaders/split.wgsl");
+const MASK: &str = include_str!("../shaders/mask.wgsl");
+const MASK_COPY: &str = include_str!("../shaders/mask_copy.wgsl");
+const MASKED: &str = include_str!("../shaders/masked.wgsl");
 const DEPTH: &str = include_str!("../shaders/depth.wgsl");
 const EXACT: &str = include_str!("../shaders/exact.wgsl");
 const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
@@ -41,7 +44,15 @@ pub(crate) fn depth() -> String {
 }
 
 pub(crate) fn exact() -> String {
-    [PARABOLOID, CASTERS, VIEW, EXACT].concat()
+    [PARABOLOID, CASTERS, VIEW, MASK, EXACT].concat()
+}
+
+pub(crate) fn mask_copy() -> String {
+    MASK_COPY.to_owned()
+}
+
+pub(crate) fn masked() -> String {
+    [PARABOLOID, CASTERS, MASK, DEPTH, MASKED].concat()
 }
 
 /// Name and text of every complete module that the library compiles, and of the lookup under group 0; for checking
@@ -54,6 +65,8 @@ pub fn modules() -> Vec<(&'static str, String)> {
         ("split", split()),
         ("depth", depth()),
         ("exact", exact()),
+        ("mask_copy", mask_copy()),
+        ("masked", masked()),
         ("lookup", lookup(0)),
     ]
 }

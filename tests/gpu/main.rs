@@ -7,6 +7,7 @@ mod common;
 mod degenerate;
 mod hard_cases;
 mod mapping;
+mod masked;
 mod misuse;
 mod routing;
 mod seam;
