@@ -212,8 +212,9 @@ fn meshes_come_and_go() {
     assert!(show(&mut casters, shared).differences(&maps[0]).is_empty());
     assert!(show(&mut casters, second).differences(&maps[1]).is_empty());
     let memory = casters.memory();
-    casters.remove_mesh(second).unwrap();
-    casters.remove_mesh(shared).unwrap();
+    for mesh in [empty, second, shared] {
+        casters.remove_mesh(mesh).unwrap();
+    }
     assert!(map(&mut casters, light, 64).depth.iter().all(|depth| *depth == 0.0));
     assert!(casters.memory() < memory, "room of a large mask isn't given back");
     let again = sheet.add(&mut casters, Some(&textures[1]), Sides::Auto);
@@ -227,7 +228,6 @@ fn mirrored_instances() {
     let sheet = Sheet::new(Vec3::new(-0.5, 1.0, -1.0), 2.0 * Vec3::X, Vec3::new(0.0, 0.7, 3.0), 6);
     let mut mirrored = Sheet::new(Vec3::ZERO, Vec3::X, Vec3::Z, 6);
     mirrored.positions = sheet.positions.iter().map(|&[x, y, z]| [-x, y, z]).collect();
-    mirrored.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|corners| corners.swap(1, 2));
     let light = PointLight { position: Vec3::new(0.2, 0.1, 0.3), range: 100.0, ..Default::default() };
     for sides in [Sides::Auto, Sides::Front] {
         let maps = [(&sheet, -1.0), (&mirrored, 1.0)].map(|(sheet, scale)| {
@@ -236,8 +236,14 @@ fn mirrored_instances() {
             casters.add_instance(mesh, Affine3A::from_scale(Vec3::new(scale, 1.0, 1.0))).unwrap();
             map(&mut casters, light, 128)
         });
-        assert!(maps[0].depth.iter().filter(|depth| **depth > 0.0).count() > 500 || sides == Sides::Front);
-        assert!(maps[0].differences(&maps[1]).is_empty(), "{sides:?}");
+        let shown = maps[0].discs().filter(|texel| texel.depth > 0.0).count();
+        assert!(shown > 1000, "{sides:?}: {shown} texels");
+        let texels = maps[0].discs().zip(maps[1].discs());
+        let differ = texels.filter(|(a, b)| (a.depth - b.depth).abs() > 0.02 * a.depth).count();
+        // The order of a triangle's corners decides where it is cut, and so what a texel at a hole's edge shows.
+        let few = if sides == Sides::Auto { 0 } else { shown / 100 };
+        assert!(differ <= few, "{sides:?}: {differ} of {shown} texels");
+        mirrored.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|corners| corners.swap(1, 2));
     }
 }
 
