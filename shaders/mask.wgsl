@@ -6,7 +6,8 @@ struct MaskVertex {
     u: f32,
     v: f32,
     mask: u32,
-    padding: u32,
+    // Of deforming meshes its place among the positions that the caller writes.
+    source: u32,
 }
 
 struct Mask {

@@ -7,6 +7,7 @@ use crate::Error;
 use crate::arena::Arena;
 use crate::chunks::{self, Bounds, Chunk, Culling, Vertex};
 use crate::cone::Cone;
+use crate::deform::{Deformed, Positions};
 use crate::mask::{Mask, MaskedMesh, Masks};
 use crate::ranges::Ranges;
 use crate::slots::{Handle, Slots};
@@ -69,6 +70,9 @@ pub struct CasterMesh<'a> {
     pub sides: Sides,
     /// Where it has holes, if it has any.
     pub mask: Option<Mask<'a>>,
+    /// Whether instances take positions that the caller writes on the GPU, see [`Casters::deform`]; until they are given
+    /// some, they have those above. Both sides of every triangle cast then, unless `sides` is [`Sides::Front`].
+    pub deforms: bool,
 }
 
 /// Handle of a mesh in the [`Casters`] that gave it.
@@ -89,6 +93,8 @@ struct Mesh {
     bounds: Bounds,
     instances: usize,
     mask: Option<MaskedMesh>,
+    /// Of meshes that deform: how many positions a deformed instance has.
+    positions: Option<u64>,
 }
 
 #[derive(Debug)]
@@ -96,7 +102,10 @@ struct Instance {
     mesh: Handle,
     first_vertex: u32,
     first_chunk: u32,
+    transform: Affine3A,
     bounds: Bounds,
+    /// Once it is deformed, its own bounds in the mesh's space.
+    deformed: Option<(Positions, Bounds)>,
     moved: bool,
 }
 
@@ -162,6 +171,7 @@ pub struct Casters {
     pub(crate) transforms: Arena,
     masks: Masks,
     transform: Transform,
+    limits: wgpu::Limits,
 }
 
 impl Casters {
@@ -190,6 +200,7 @@ impl Casters {
             transforms: arena("transforms", 48, wgpu::BufferUsages::empty()),
             masks: Masks::new(device),
             transform: Transform::new(device),
+            limits: device.limits(),
         }
     }
 
@@ -244,12 +255,8 @@ impl Casters {
         if let Some(mask) = &mesh.mask {
             self.masks.check(mask, vertices)?;
         }
-        let mask = mesh.mask.as_ref().map(|mask| self.masks.add(mask, &cut.texture_coordinates));
-        if let Some(mask) = &mask {
-            for (vertex, place) in cut.vertices.iter_mut().zip(mask.first_vertex()..) {
-                vertex.data = place;
-            }
-        }
+        let mask = mesh.mask.as_ref();
+        let mask = mask.map(|mask| self.masks.add(mask, &cut.texture_coordinates, &mut cut.vertices));
         let first_vertex = self.local_ranges.allocate(vertices);
         let first_triangle = self.triangle_ranges.allocate(triangles);
         self.local_vertices.write(first_vertex, bytemuck::cast_slice(&cut.vertices));
@@ -263,6 +270,7 @@ impl Casters {
             bounds: cut.bounds,
             instances: 0,
             mask,
+            positions: mesh.deforms.then_some(mesh.positions.len() as u64),
         };
         Ok(MeshId(self.meshes.insert(mesh)))
     }
@@ -302,7 +310,8 @@ impl Casters {
         let first_chunk = self.chunk_ranges.allocate(chunk_count);
         self.triangle_count += u64::from(entry.triangle_count);
         self.masked_instances += usize::from(entry.mask.is_some());
-        let instance = Instance { mesh: mesh.0, first_vertex, first_chunk, bounds, moved: true };
+        let instance =
+            Instance { mesh: mesh.0, first_vertex, first_chunk, transform, bounds, deformed: None, moved: true };
         let handle = self.instances.insert(instance);
         let entry = self.meshes.get_mut(mesh.0)?;
         let sources: Vec<ChunkSource> =
@@ -321,12 +330,39 @@ impl Casters {
     pub fn set_transform(&mut self, id: InstanceId, transform: Affine3A) -> Result<(), Error> {
         let instance = self.instances.get_mut(id.0)?;
         let mesh = self.meshes.get_mut(instance.mesh)?;
-        let bounds = transformed(&mesh.bounds, &transform)?;
+        let local = instance.deformed.as_ref().map_or(&mesh.bounds, |(_, bounds)| bounds);
+        let bounds = transformed(local, &transform)?;
+        instance.transform = transform;
+        self.transforms.write(id.0.slot, bytemuck::cast_slice(&rows(&transform)));
+        self.moved(id, bounds)
+    }
+
+    /// Says that an instance of a mesh that [`deforms`](CasterMesh::deforms) has other positions: to be called whenever
+    /// they have changed. They are read in the next [`PointShadows::record`](crate::PointShadows::record), in its encoder,
+    /// so a pass that writes them has to be recorded or submitted before.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`], [`Error::InvalidDeformed`], [`Error::TransformNotFinite`] if the instance's transform takes
+    /// the bounds out of the range of `f32`, [`Error::CastersTooLarge`] if the device can't bind that much.
+    pub fn deform(&mut self, id: InstanceId, deformed: &Deformed) -> Result<(), Error> {
+        let instance = self.instances.get_mut(id.0)?;
+        let Some(count) = self.meshes.get(instance.mesh)?.positions else {
+            let remedy = "add the mesh with `deforms`".to_owned();
+            return Err(Error::InvalidDeformed { what: "mesh", value: "one that doesn't deform".to_owned(), remedy });
+        };
+        deformed.validate(count, &self.limits)?;
+        let bounds = transformed(&deformed.bounds(), &instance.transform)?;
+        instance.deformed = Some((Positions::new(deformed, count), deformed.bounds()));
+        self.moved(id, bounds)
+    }
+
+    /// Notes that an instance is where it wasn't.
+    fn moved(&mut self, id: InstanceId, bounds: Bounds) -> Result<(), Error> {
+        let instance = self.instances.get_mut(id.0)?;
         let before = std::mem::replace(&mut instance.bounds, bounds);
         if !std::mem::replace(&mut instance.moved, true) {
             self.moved.push(id.0);
         }
-        self.transforms.write(id.0.slot, bytemuck::cast_slice(&rows(&transform)));
         self.note(Change { before: Some(before), after: Some(bounds) });
         Ok(())
     }
@@ -398,16 +434,21 @@ impl Casters {
         self.chunk_bounds.update(device, queue, encoder, chunks);
         self.transforms.update(device, queue, encoder, slots);
         self.masks.update(device, queue, encoder);
-        let jobs = self.take_moved_chunks();
+        let (jobs, deformed) = self.take_moved_chunks();
+        let arenas = [&self.local_vertices, &self.vertices, &self.chunk_sources, &self.chunk_bounds, &self.transforms];
+        let buffers = arenas.map(Arena::buffer);
         if !jobs.is_empty() {
-            let arenas =
-                [&self.local_vertices, &self.vertices, &self.chunk_sources, &self.chunk_bounds, &self.transforms];
-            self.transform.record(device, encoder, arenas.map(Arena::buffer), &jobs);
+            self.transform.record(device, encoder, buffers, &jobs);
+        }
+        let [mask_vertices, ..] = self.masks.arenas().map(Arena::buffer);
+        for (positions, jobs) in deformed {
+            self.transform.record_deformed(device, encoder, buffers, &jobs, &positions, mask_vertices);
         }
     }
 
-    fn take_moved_chunks(&mut self) -> Vec<u32> {
-        let mut jobs = Vec::new();
+    /// Chunks to transform: those with their mesh's positions, and those of each deformed instance.
+    fn take_moved_chunks(&mut self) -> (Vec<u32>, Vec<(Positions, Vec<u32>)>) {
+        let (mut jobs, mut deformed) = (Vec::new(), Vec::new());
         for handle in std::mem::take(&mut self.moved) {
             let Ok(instance) = self.instances.get_mut(handle) else {
                 continue;
@@ -417,9 +458,13 @@ impl Casters {
             let Ok(mesh) = self.meshes.get_mut(instance.mesh) else {
                 continue;
             };
-            jobs.extend(first..first + mesh.chunks.len() as u32);
+            let chunks = first..first + mesh.chunks.len() as u32;
+            match &instance.deformed {
+                Some((positions, _)) => deformed.push((positions.clone(), chunks.collect())),
+                None => jobs.extend(chunks),
+            }
         }
-        jobs
+        (jobs, deformed)
     }
 }
 

@@ -65,7 +65,8 @@ pub(crate) struct Chunk {
 pub(crate) struct Vertex {
     pub(crate) position: Vec3,
     /// [`Cone`] of the normals of all triangles around it, if back faces may be dropped where there is no front face. Of
-    /// masked meshes the place of what the vertex has for the mask.
+    /// deforming meshes its number among the mesh's positions; of masked ones what [`Masks`](crate::mask::Masks) puts
+    /// there instead.
     pub(crate) data: u32,
 }
 
@@ -93,7 +94,7 @@ struct Triangle {
 
 /// Cuts a mesh whose values have been checked. Triangles of no area are left out: they cast nothing.
 pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
-    let (positions, corners, texture_coordinates) = weld(mesh);
+    let Welded { positions, corners, sources } = weld(mesh);
     let mut triangles: Vec<Triangle> = corners
         .into_iter()
         .map(|c| Triangle {
@@ -103,8 +104,9 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
             piece: 0,
         })
         .collect();
-    // Holes show back faces.
-    let closes = mesh.sides == Sides::Auto && mesh.mask.is_none();
+    // Holes show back faces, and what is turned away now may not be later.
+    let plain = mesh.mask.is_none() && !mesh.deforms;
+    let closes = mesh.sides == Sides::Auto && plain;
     let pieces = if closes { find_closed_pieces(&positions, &mut triangles) } else { Vec::new() };
 
     let mut cutter = Cutter {
@@ -125,11 +127,16 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
     let (closed, open) = triangles.split_at_mut(split);
     cutter.cut(closed);
     cutter.cut(open);
-    if mesh.mask.is_some() {
-        let coordinates = cutter.welded.iter().map(|&vertex| texture_coordinates[vertex as usize]);
-        cutter.out.texture_coordinates = coordinates.collect();
-    } else {
+    if plain {
         cutter.bound_normals();
+    }
+    let sources = cutter.welded.iter().map(|&vertex| sources[vertex as usize]);
+    if let Some(mask) = &mesh.mask {
+        let coordinates = sources.clone().map(|source| mask.texture_coordinates[source as usize]);
+        cutter.out.texture_coordinates = coordinates.collect();
+    }
+    if mesh.deforms {
+        cutter.out.vertices.iter_mut().zip(sources).for_each(|(vertex, source)| vertex.data = source);
     }
     for vertex in &cutter.out.vertices {
         cutter.out.bounds.extend(vertex.position);
@@ -143,31 +150,43 @@ fn closed_first(triangles: &mut [Triangle]) -> usize {
     triangles.partition_point(|t| t.closed)
 }
 
-/// Positions without repetition, the triangles of some area by them, and the positions' texture coordinates: of masked
-/// meshes one position is there once for each. Of others all are the same.
-fn weld(mesh: &CasterMesh) -> (Vec<Vec3>, Vec<[u32; 3]>, Vec<[f32; 2]>) {
-    let coordinates = |v: u32| mesh.mask.map_or([0.0; 2], |mask| mask.texture_coordinates[v as usize]);
+/// A mesh's vertices without repetition.
+struct Welded {
+    positions: Vec<Vec3>,
+    /// The triangles of some area; if the mesh deforms, all of three vertices.
+    corners: Vec<[u32; 3]>,
+    /// One of the mesh's positions that each is.
+    sources: Vec<u32>,
+}
+
+/// Joins vertices of the same position and, if the mesh is masked, of the same texture coordinates. Those of a mesh that
+/// deforms may part, so they stay as they are.
+fn weld(mesh: &CasterMesh) -> Welded {
     // Adding 0 makes -0 and 0 the same bits.
     let key = |v: u32| {
         let position = (Vec3::from(mesh.positions[v as usize]) + 0.0).to_array().map(f32::to_bits);
-        (position, coordinates(v).map(f32::to_bits))
+        let coordinates = mesh.mask.map(|mask| mask.texture_coordinates[v as usize].map(f32::to_bits));
+        (position, coordinates, mesh.deforms.then_some(v))
     };
     let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     order.sort_unstable_by_key(|&v| (key(v), v));
     let mut welded = vec![0u32; order.len()];
-    let (mut positions, mut texture_coordinates) = (Vec::new(), Vec::new());
+    let (mut positions, mut sources) = (Vec::new(), Vec::new());
     let mut last = None;
     for &v in &order {
         let bits = key(v);
         if last != Some(bits) {
             positions.push(Vec3::from_array(bits.0.map(f32::from_bits)));
-            texture_coordinates.push(coordinates(v));
+            sources.push(v);
             last = Some(bits);
         }
         welded[v as usize] = positions.len() as u32 - 1;
     }
     let triangle = |i: [u32; 3]| i.map(|v| welded[v as usize]);
     let casts = |c: &[u32; 3]| {
+        if mesh.deforms {
+            return c[0] != c[1] && c[1] != c[2] && c[2] != c[0];
+        }
         let [a, b, c] = c.map(|v| positions[v as usize].as_dvec3());
         (b - a).cross(c - a) != DVec3::ZERO
     };
@@ -177,7 +196,7 @@ fn weld(mesh: &CasterMesh) -> (Vec<Vec3>, Vec<[u32; 3]>, Vec<[f32; 2]>) {
         }
         Indices::U32(list) => list.as_chunks().0.iter().map(|&i: &[u32; 3]| triangle(i)).filter(casts).collect(),
     };
-    (positions, corners, texture_coordinates)
+    Welded { positions, corners, sources }
 }
 
 /// One direction of a triangle's edge.

@@ -62,6 +62,16 @@ pub enum Error {
         /// What it has to be.
         remedy: &'static str,
     },
+    /// Positions of a deforming mesh that can't be read.
+    #[error("the deformed positions' {what} is {value}: {remedy}")]
+    InvalidDeformed {
+        /// Which of their properties.
+        what: &'static str,
+        /// Its value, printed.
+        value: String,
+        /// What it has to be.
+        remedy: String,
+    },
     /// A transform with a NaN or infinite entry, or one that moves the mesh out of the range of `f32`.
     #[error("the transform {value} takes the mesh to coordinates that aren't finite: check its scale and translation")]
     TransformNotFinite {

@@ -66,6 +66,7 @@ mod chunks;
 #[cfg(feature = "compare")]
 pub mod compare;
 mod cone;
+mod deform;
 mod demand;
 mod depth;
 mod error;
@@ -85,6 +86,7 @@ mod view;
 pub mod wgsl;
 
 pub use casters::{CasterMesh, Casters, Indices, InstanceId, MeshId, Sides};
+pub use deform::Deformed;
 pub use error::Error;
 pub use light::{Coverage, PointLight};
 pub use mask::Mask;

@@ -4,6 +4,7 @@
 
 use crate::Error;
 use crate::arena::Arena;
+use crate::chunks::Vertex;
 use crate::gpu::{self, Binding};
 use crate::ranges::Ranges;
 use std::collections::HashMap;
@@ -73,7 +74,8 @@ impl Mask<'_> {
 struct MaskVertex {
     coordinates: [f32; 2],
     mask: u32,
-    padding: u32,
+    /// Of deforming meshes the vertex's place among the positions that the caller writes.
+    source: u32,
 }
 
 /// A mask on the GPU; twin of `Mask` in the shader.
@@ -148,9 +150,8 @@ impl Masks {
         self.alphas.check(if shared { 0 } else { self.alpha_ranges.end_after(words(mask.texture)) })
     }
 
-    /// Adds a mask with the coordinates of a mesh's vertices. The mesh's first vertex has the first place that
-    /// [`MaskedMesh::first_vertex`] says, the others follow.
-    pub(crate) fn add(&mut self, mask: &Mask, coordinates: &[[f32; 2]]) -> MaskedMesh {
+    /// Adds a mask with the coordinates of a mesh's vertices, and has each vertex say where its own are.
+    pub(crate) fn add(&mut self, mask: &Mask, coordinates: &[[f32; 2]], vertices: &mut [Vertex]) -> MaskedMesh {
         let texture = mask.texture;
         let copy = self.copies.entry(texture.clone()).or_insert_with(|| {
             self.waiting.push(texture.clone());
@@ -170,11 +171,16 @@ impl Masks {
             address_modes: mode(mask.address_modes[0]) | mode(mask.address_modes[1]) << 2,
         };
         self.records.write(record, bytemuck::bytes_of(&contents));
-        let count = coordinates.len() as u32;
+        let count = vertices.len() as u32;
         let first = self.vertex_ranges.allocate(count);
-        let vertex = |&coordinates: &[f32; 2]| MaskVertex { coordinates, mask: record, padding: 0 };
-        let vertices: Vec<MaskVertex> = coordinates.iter().map(vertex).collect();
-        self.vertices.write(first, bytemuck::cast_slice(&vertices));
+        let numbered = vertices.iter_mut().zip(coordinates).zip(first..);
+        let masked: Vec<MaskVertex> = numbered
+            .map(|((vertex, &coordinates), place)| {
+                let source = std::mem::replace(&mut vertex.data, place);
+                MaskVertex { coordinates, mask: record, source }
+            })
+            .collect();
+        self.vertices.write(first, bytemuck::cast_slice(&masked));
         MaskedMesh { record, vertices: first..first + count, texture: texture.clone() }
     }
 
@@ -199,12 +205,6 @@ impl Masks {
             let pipeline = self.pipeline.get_or_insert_with(|| copy_pipeline(device));
             record_copy(device, encoder, pipeline, &texture, self.alphas.buffer(), copy.first);
         }
-    }
-}
-
-impl MaskedMesh {
-    pub(crate) fn first_vertex(&self) -> u32 {
-        self.vertices.start
     }
 }
 

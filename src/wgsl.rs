@@ -3,6 +3,8 @@
 const PARABOLOID: &str = include_str!("../shaders/paraboloid.wgsl");
 const CASTERS: &str = include_str!("../shaders/casters.wgsl");
 const VIEW: &str = include_str!("../shaders/view.wgsl");
+const REST: &str = include_str!("../shaders/rest.wgsl");
+const DEFORMED: &str = include_str!("../shaders/deformed.wgsl");
 const TRANSFORM: &str = include_str!("../shaders/transform.wgsl");
 const ROUTE: &str = include_str!("../shaders/route.wgsl");
 const SPLIT: &str = include_str!("../shaders/split.wgsl");
@@ -28,7 +30,11 @@ pub fn paraboloid() -> &'static str {
 }
 
 pub(crate) fn transform() -> String {
-    [CASTERS, TRANSFORM].concat()
+    [CASTERS, TRANSFORM, REST].concat()
+}
+
+pub(crate) fn transform_deformed() -> String {
+    [CASTERS, TRANSFORM, MASK, DEFORMED].concat()
 }
 
 pub(crate) fn route() -> String {
@@ -61,6 +67,7 @@ pub(crate) fn masked() -> String {
 pub fn modules() -> Vec<(&'static str, String)> {
     vec![
         ("transform", transform()),
+        ("transform_deformed", transform_deformed()),
         ("route", route()),
         ("split", split()),
         ("depth", depth()),

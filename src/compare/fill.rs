@@ -24,7 +24,13 @@ pub fn fill(casters: &mut Casters, gpu: &Gpu, scene: &Scene, sides: Sides) -> Re
             let (cutoff, address_modes) = (mask.cutoff, mask.address_modes);
             Some(Mask { texture_coordinates: mask.tex_coords, texture, cutoff, address_modes })
         });
-        meshes.push(casters.add_mesh(&CasterMesh { positions: &mesh.positions, indices, sides, mask })?);
+        meshes.push(casters.add_mesh(&CasterMesh {
+            positions: &mesh.positions,
+            indices,
+            sides,
+            mask,
+            deforms: false,
+        })?);
     }
     scene.instances.iter().map(|instance| casters.add_instance(meshes[instance.mesh], instance.transform)).collect()
 }

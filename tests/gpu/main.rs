@@ -4,6 +4,7 @@
 mod analytic;
 mod axis;
 mod common;
+mod deforming;
 mod degenerate;
 mod hard_cases;
 mod mapping;

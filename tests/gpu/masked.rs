@@ -18,7 +18,7 @@ use wgpu::util::{DeviceExt, TextureDataOrder};
 const CELLS: u32 = 8;
 
 /// A texture of these alphas.
-pub fn alpha_texture(width: u32, alphas: &[u8]) -> wgpu::Texture {
+fn alpha_texture(width: u32, alphas: &[u8]) -> wgpu::Texture {
     let texels: Vec<u8> = alphas.iter().flat_map(|&alpha| [0, 0, 0, alpha]).collect();
     let descriptor = wgpu::TextureDescriptor {
         label: None,
@@ -34,25 +34,25 @@ pub fn alpha_texture(width: u32, alphas: &[u8]) -> wgpu::Texture {
 }
 
 /// Every other cell is a hole; the first isn't. A cell is so many texels across.
-fn checkerboard(texels: u32) -> wgpu::Texture {
+pub fn checkerboard(texels: u32) -> wgpu::Texture {
     let size = CELLS * texels;
     let solid = |place: u32| (place % size / texels + place / size / texels).is_multiple_of(2);
     alpha_texture(size, &(0..size * size).map(|place| if solid(place) { 255 } else { 0 }).collect::<Vec<u8>>())
 }
 
-fn mask<'a>(texture: &'a wgpu::Texture, texture_coordinates: &'a [[f32; 2]]) -> Mask<'a> {
+pub fn mask<'a>(texture: &'a wgpu::Texture, texture_coordinates: &'a [[f32; 2]]) -> Mask<'a> {
     Mask { texture_coordinates, texture, cutoff: 0.5, address_modes: [wgpu::AddressMode::Repeat; 2] }
 }
 
 /// A parallelogram of so many quads across, with its texture coordinates.
-struct Sheet {
-    positions: Vec<[f32; 3]>,
-    coordinates: Vec<[f32; 2]>,
-    indices: Vec<u32>,
+pub struct Sheet {
+    pub positions: Vec<[f32; 3]>,
+    pub coordinates: Vec<[f32; 2]>,
+    pub indices: Vec<u32>,
 }
 
 impl Sheet {
-    fn new(corner: Vec3, u: Vec3, v: Vec3, quads: u32) -> Self {
+    pub fn new(corner: Vec3, u: Vec3, v: Vec3, quads: u32) -> Self {
         let row = quads + 1;
         let share = |i: u32| Vec2::new((i % row) as f32, (i / row) as f32) / quads as f32;
         let (mut positions, mut coordinates, mut indices) = (Vec::new(), Vec::new(), Vec::new());
@@ -69,7 +69,7 @@ impl Sheet {
     fn add(&self, casters: &mut Casters, texture: Option<&wgpu::Texture>, sides: Sides) -> MeshId {
         let mask = texture.map(|texture| mask(texture, &self.coordinates));
         let indices = Indices::U32(&self.indices);
-        casters.add_mesh(&CasterMesh { positions: &self.positions, indices, sides, mask }).unwrap()
+        casters.add_mesh(&CasterMesh { positions: &self.positions, indices, sides, mask, deforms: false }).unwrap()
     }
 }
 
@@ -258,7 +258,8 @@ fn more_pieces_than_room_are_drawn_exactly() {
     let texture = alpha_texture(2, &[255, 0, 0, 255]);
     let mask = Some(mask(&texture, &coordinates));
     let mut casters = Casters::new(&gpu().device);
-    let mesh = CasterMesh { positions: &positions, indices: Indices::U32(&indices), sides: Sides::Both, mask };
+    let mesh =
+        CasterMesh { positions: &positions, indices: Indices::U32(&indices), sides: Sides::Both, mask, deforms: false };
     let mesh = casters.add_mesh(&mesh).unwrap();
     casters.add_instance(mesh, Affine3A::IDENTITY).unwrap();
     let mut shadows = PointShadows::new(&gpu().device, &descriptor(64)).unwrap();
