@@ -3,9 +3,9 @@
 // A vertex in the mesh's space or the world's.
 struct CasterVertex {
     position: vec3<f32>,
-    // Of closed pieces the cone of the normals of all triangles around it: axis and sine, as four signed bytes; a sine of 1
-    // for none. Of masked casters the place of what the vertex has for the mask. Of other deforming ones its place among
-    // the positions that the caller writes.
+    // Of closed pieces the cone of the normals of all triangles around it: axis and sine, as four signed bytes; a sine
+    // of 1 for none. Of masked casters the place of what the vertex has for the mask. Of other deforming ones its place
+    // among the positions that the caller writes.
     data: u32,
 }
 

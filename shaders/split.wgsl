@@ -13,8 +13,8 @@
 @group(0) @binding(1) var<storage, read_write> arguments: Arguments;
 @group(0) @binding(2) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(3) var<storage, read> vertices: array<CasterVertex>;
-// Three corners a piece, relative to the light, each with the piece's depth shift; a part for each hemisphere. Of masked
-// casters the second corner has the triangle's number in the lists instead.
+// Three corners a piece, relative to the light, each with the piece's depth shift; a part for each hemisphere. Of
+// masked casters the second corner has the triangle's number in the lists instead.
 @group(0) @binding(4) var<storage, read_write> pieces: array<vec4<f32>>;
 // Middling parts of big triangles, as on the stack; a part for each hemisphere.
 @group(0) @binding(5) var<storage, read_write> parts: array<Stacked>;

@@ -70,8 +70,8 @@ pub struct CasterMesh<'a> {
     pub sides: Sides,
     /// Where it has holes, if it has any.
     pub mask: Option<Mask<'a>>,
-    /// Whether instances take positions that the caller writes on the GPU, see [`Casters::deform`]; until they are given
-    /// some, they have those above. Both sides of every triangle cast then, unless `sides` is [`Sides::Front`].
+    /// Whether instances take positions that the caller writes on the GPU, see [`Casters::deform`]; until they are
+    /// given some, they have those above. With [`Sides::Auto`] no closed pieces are looked for then.
     pub deforms: bool,
 }
 
@@ -338,12 +338,12 @@ impl Casters {
     }
 
     /// Says that an instance of a mesh that [`deforms`](CasterMesh::deforms) has other positions: to be called whenever
-    /// they have changed. They are read in the next [`PointShadows::record`](crate::PointShadows::record), in its encoder,
-    /// so a pass that writes them has to be recorded or submitted before.
+    /// they have changed. They are read in the next [`PointShadows::record`](crate::PointShadows::record), in its
+    /// encoder, so a pass that writes them has to be recorded or submitted before.
     ///
     /// # Errors
-    /// [`Error::StaleHandle`], [`Error::InvalidDeformed`], [`Error::TransformNotFinite`] if the instance's transform takes
-    /// the bounds out of the range of `f32`, [`Error::CastersTooLarge`] if the device can't bind that much.
+    /// [`Error::StaleHandle`], [`Error::InvalidDeformed`], [`Error::TransformNotFinite`] if the instance's transform
+    /// takes the bounds out of the range of `f32`, [`Error::CastersTooLarge`] if the device can't bind that much.
     pub fn deform(&mut self, id: InstanceId, deformed: &Deformed) -> Result<(), Error> {
         let instance = self.instances.get_mut(id.0)?;
         let Some(count) = self.meshes.get(instance.mesh)?.positions else {

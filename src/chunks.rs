@@ -64,9 +64,9 @@ pub(crate) struct Chunk {
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Vertex {
     pub(crate) position: Vec3,
-    /// [`Cone`] of the normals of all triangles around it, if back faces may be dropped where there is no front face. Of
-    /// deforming meshes its number among the mesh's positions; of masked ones what [`Masks`](crate::mask::Masks) puts
-    /// there instead.
+    /// [`Cone`] of the normals of all triangles around it, if back faces may be dropped where there is no front face.
+    /// Of deforming meshes its number among the mesh's positions; of masked ones what [`Masks`](crate::mask::Masks)
+    /// puts there instead.
     pub(crate) data: u32,
 }
 
@@ -159,8 +159,8 @@ struct Welded {
     sources: Vec<u32>,
 }
 
-/// Joins vertices of the same position and, if the mesh is masked, of the same texture coordinates. Those of a mesh that
-/// deforms may part, so they stay as they are.
+/// Joins vertices of the same position and, if the mesh is masked, of the same texture coordinates. Those of a mesh
+/// that deforms may part, so they stay as they are.
 fn weld(mesh: &CasterMesh) -> Welded {
     // Adding 0 makes -0 and 0 the same bits.
     let key = |v: u32| {

@@ -15,8 +15,8 @@ pub struct Deformed<'a> {
     pub offset: u64,
     /// Bytes from one position to the next; a multiple of 4, at least 12. A shader's `array<vec3<f32>>` has 16.
     pub stride: u64,
-    /// Lowest corner of a box around the positions, in the mesh's space. Which lights' maps are made anew follows from the
-    /// box; what is outside of it may be missed there.
+    /// Lowest corner of a box around the positions, in the mesh's space. Which lights' maps are made anew follows from
+    /// the box: what is outside of it may be missing in others.
     pub min: Vec3,
     /// Highest corner of that box.
     pub max: Vec3,

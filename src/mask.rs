@@ -17,8 +17,8 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 pub struct Mask<'a> {
     /// One for each position; finite. (0, 0) is the outer corner of the texture's first texel, (1, 1) that of its last.
     pub texture_coordinates: &'a [[f32; 2]],
-    /// Two-dimensional, of one layer and one sample, with the usage `TEXTURE_BINDING` and a format of four channels that
-    /// a shader reads as floats, block-compressed ones among them. Its alpha is copied, to 8 bits, by the first
+    /// Two-dimensional, of one layer and one sample, with the usage `TEXTURE_BINDING` and a format of four channels
+    /// that a shader reads as floats, block-compressed ones among them. Its alpha is copied, to 8 bits, by the first
     /// [`PointShadows::record`](crate::PointShadows::record) after; meshes with the same texture share the copy, and
     /// while there are any, the texture is kept.
     pub texture: &'a wgpu::Texture,

@@ -60,7 +60,8 @@ fn texel_place(place: f64, size: u32, mode: wgpu::AddressMode) -> u32 {
 pub struct CutOuts {
     /// The masks.
     pub masks: Vec<AlphaMask>,
-    /// One for each triangle, or none at all: the mask of one that may have holes, and its corners' texture coordinates.
+    /// One for each triangle, or none at all: the mask of one that may have holes, and its corners' texture
+    /// coordinates.
     pub triangles: Vec<Option<(u32, [DVec2; 3])>>,
 }
 

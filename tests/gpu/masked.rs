@@ -249,10 +249,11 @@ fn mirrored_instances() {
 
 #[test]
 fn more_pieces_than_room_are_drawn_exactly() {
-    // Many walls with large holes that fill the view behind one another.
+    // Many walls with large holes that fill the view behind one another, each well behind the one before.
     let mut rng = Pcg64::seed_from_u64(9);
-    let triangles: Vec<[Vec3; 3]> = (0..100).flat_map(|_| shell(0, &mut rng)).collect();
-    let positions: Vec<[f32; 3]> = triangles.as_flattened().iter().map(|p| (*p * 2.0).to_array()).collect();
+    let walls = (0..40).flat_map(|layer| shell(0, &mut rng).into_iter().map(move |wall| (layer, wall)));
+    let walls: Vec<[Vec3; 3]> = walls.map(|(layer, wall)| wall.map(|p| p * 1.4_f32.powi(layer))).collect();
+    let positions: Vec<[f32; 3]> = walls.as_flattened().iter().map(|p| p.to_array()).collect();
     let coordinates: Vec<[f32; 2]> = positions.iter().map(|_| [rng.random(), rng.random()]).collect();
     let indices: Vec<u32> = (0..positions.len() as u32).collect();
     let texture = alpha_texture(2, &[255, 0, 0, 255]);
@@ -263,7 +264,7 @@ fn more_pieces_than_room_are_drawn_exactly() {
     let mesh = casters.add_mesh(&mesh).unwrap();
     casters.add_instance(mesh, Affine3A::IDENTITY).unwrap();
     let mut shadows = PointShadows::new(&gpu().device, &descriptor(64)).unwrap();
-    let id = shadows.add(PointLight { range: 100.0, ..Default::default() }).unwrap();
+    let id = shadows.add(PointLight { range: 1e7, ..Default::default() }).unwrap();
     let mut next = || {
         gpu().submit(|encoder| {
             shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters);
@@ -277,7 +278,7 @@ fn more_pieces_than_room_are_drawn_exactly() {
     let (pieces, without_room) = next();
     assert_eq!(without_room, 0, "the next recording has room");
     let texels: Vec<_> = exact.discs().zip(pieces.discs()).collect();
-    let differ = texels.iter().filter(|(a, b)| (a.depth - b.depth).abs() > 0.25 * b.depth).count();
+    let differ = texels.iter().filter(|(a, b)| (a.depth - b.depth).abs() > 0.1 * b.depth).count();
     // Texels whose centre is at a hole's edge may fall to either side.
     assert!(differ * 50 < texels.len(), "{differ} of {} texels differ", texels.len());
 }
@@ -306,10 +307,17 @@ fn masked_room() -> Scene {
         let centre = random_point(&mut rng, 1.0).normalize() * 2.5;
         let [u, v] = [0, 1].map(|_| random_point(&mut rng, 2.0));
         let sheet = Sheet::new(centre - 0.5 * (u + v), u, v, [1, 3, 20][number % 3]);
+        // Each triangle has a part of the texture of its own, so that no two share texture coordinates at a vertex.
+        let parts: Vec<Vec3> = sheet.indices.iter().step_by(3).map(|_| random_point(&mut rng, 1.0)).collect();
+        let corners = || sheet.indices.iter().enumerate().map(|(at, &vertex)| (parts[at / 3], vertex as usize));
+        let coordinates = |(part, vertex): (Vec3, usize)| {
+            let [x, y] = sheet.coordinates[vertex];
+            [4.0 * x - 2.0 + part.x, 3.0 * y - 1.0 + part.y]
+        };
         scene.meshes.push(SceneMesh {
-            positions: sheet.positions,
-            tex_coords: Some(sheet.coordinates.iter().map(|[x, y]| [4.0 * x - 2.0, 3.0 * y - 1.0]).collect()),
-            indices: sheet.indices,
+            positions: corners().map(|(_, vertex)| sheet.positions[vertex]).collect(),
+            tex_coords: Some(corners().map(coordinates).collect()),
+            indices: (0..sheet.indices.len() as u32).collect(),
             material: number + 1,
             ..SceneMesh::default()
         });
