@@ -19,8 +19,8 @@ pub struct Mask<'a> {
     pub texture_coordinates: &'a [[f32; 2]],
     /// Two-dimensional, of one layer and one sample, with the usage `TEXTURE_BINDING` and a format of four channels
     /// that a shader reads as floats, block-compressed ones among them. Its alpha is copied, to 8 bits, by the first
-    /// [`PointShadows::record`](crate::PointShadows::record) after; meshes with the same texture share the copy, and
-    /// while there are any, the texture is kept.
+    /// [`PointShadows::record`](crate::PointShadows::record) after, until when it mustn't be destroyed. Meshes with the
+    /// same texture share the copy, and while there are any, the texture is kept.
     pub texture: &'a wgpu::Texture,
     /// Smallest alpha that casts, in [0, 1].
     pub cutoff: f32,
@@ -102,7 +102,7 @@ pub(crate) struct MaskedMesh {
 
 /// A texture's alphas.
 #[derive(Debug)]
-struct Copy {
+struct AlphaCopy {
     first: u32,
     meshes: usize,
 }
@@ -116,7 +116,7 @@ pub(crate) struct Masks {
     vertex_ranges: Ranges,
     record_ranges: Ranges,
     alpha_ranges: Ranges,
-    copies: HashMap<wgpu::Texture, Copy>,
+    copies: HashMap<wgpu::Texture, AlphaCopy>,
     /// Textures that aren't copied yet.
     waiting: Vec<wgpu::Texture>,
     pipeline: Option<wgpu::ComputePipeline>,
@@ -155,7 +155,7 @@ impl Masks {
         let texture = mask.texture;
         let copy = self.copies.entry(texture.clone()).or_insert_with(|| {
             self.waiting.push(texture.clone());
-            Copy { first: self.alpha_ranges.allocate(words(texture)), meshes: 0 }
+            AlphaCopy { first: self.alpha_ranges.allocate(words(texture)), meshes: 0 }
         });
         copy.meshes += 1;
         let mode = |mode| match mode {

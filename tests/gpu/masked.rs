@@ -219,6 +219,12 @@ fn meshes_come_and_go() {
     assert!(casters.memory() < memory, "room of a large mask isn't given back");
     let again = sheet.add(&mut casters, Some(&textures[1]), Sides::Auto);
     assert!(show(&mut casters, again).differences(&maps[1]).is_empty());
+    // One copy takes a hundred thousand bytes.
+    for _ in 0..20 {
+        let more = sheet.add(&mut casters, Some(&textures[1]), Sides::Auto);
+        assert!(show(&mut casters, more).differences(&maps[1]).is_empty());
+    }
+    assert!(casters.memory() < 1_000_000, "{} bytes for one texture", casters.memory());
 }
 
 /// An instance that mirrors its mesh shows what a mesh of the mirrored positions does.
