@@ -45,8 +45,8 @@ const LEGEND: &str = "\
 Wrong answers, in parts per million of the samples: *wrong* of this library, *ideal* of the same lookup on a ray-cast \
 map, *ratio* of the two, *far* those farther than 1.5 texels from any shadow boundary or crease, *vertex warp* of the \
 technique as published with the best of 17 constant biases for the scene, without the scene's holes, since it knows \
-none. Texels of the map: *holes* are empty where there is a caster, *phantoms* the reverse, *strays* wrong and more than \
-a texel from any silhouette; *depth p99* is the relative depth error that 99 % of the right ones stay below.";
+none. Texels of the map: *holes* are empty where there is a caster, *phantoms* the reverse, *strays* wrong and more \
+than a texel from any silhouette; *depth p99* is the relative depth error that 99 % of the right ones stay below.";
 
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {

@@ -239,8 +239,8 @@ impl Casters {
     }
 
     /// Adds a mesh; it casts once it has instances. Takes time in proportion to its triangles: they are welded by
-    /// exact position and cut into chunks, and with [`Sides::Auto`] closed pieces are looked for.
-    /// Triangles of no area are left out.
+    /// exact position, with a mask by texture coordinates too, and cut into chunks, and with [`Sides::Auto`] closed
+    /// pieces are looked for. Triangles of no area are left out. A mesh that deforms keeps all its vertices.
     ///
     /// # Errors
     /// [`Error::EmptyMesh`], [`Error::IndexCount`], [`Error::IndexOutOfRange`] or [`Error::PositionNotFinite`] for

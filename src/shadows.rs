@@ -98,10 +98,10 @@ pub enum Stage {
     Depth,
 }
 
-/// Bind groups over the casters' buffers, and of which casters.
+/// Bind groups over the casters' buffers, and of which casters, masked ones among them or not.
 #[derive(Debug)]
 struct Groups {
-    key: (u32, u64),
+    key: (u32, u64, bool),
     route: wgpu::BindGroup,
     split: wgpu::BindGroup,
     exact: wgpu::BindGroup,
@@ -285,13 +285,8 @@ impl PointShadows {
             })
             .collect();
         self.write_jobs(device, queue, &jobs);
-        let key = (casters.owner(), casters.generation());
-        if replaced
-            || self
-                .groups
-                .as_ref()
-                .is_none_or(|groups| groups.key != key || groups.masked.is_some() != casters.has_masked())
-        {
+        let key = (casters.owner(), casters.generation(), casters.has_masked());
+        if replaced || self.groups.as_ref().is_none_or(|groups| groups.key != key) {
             self.groups = Some(self.bind(device, casters, key));
         }
         let Some(groups) = &self.groups else { return };
@@ -362,7 +357,7 @@ impl PointShadows {
         queue.write_buffer(&self.arguments, 0, &arguments);
     }
 
-    fn bind(&mut self, device: &wgpu::Device, casters: &Casters, key: (u32, u64)) -> Groups {
+    fn bind(&mut self, device: &wgpu::Device, casters: &Casters, key: (u32, u64, bool)) -> Groups {
         let (lists, vertices) = (self.route.lists(), casters.vertices.buffer());
         let masked = casters.has_masked().then(|| {
             let masked = self.depth.masked(device);

@@ -81,29 +81,28 @@ impl CutOuts {
 mod tests {
     use super::*;
 
-    fn row(mode: wgpu::AddressMode) -> AlphaMask {
-        let alphas = [255, 0, 0, 255];
+    fn row(alphas: [u8; 4], mode: wgpu::AddressMode) -> AlphaMask {
         let image = image::RgbaImage::from_fn(4, 1, |column, _| image::Rgba([0, 0, 0, alphas[column as usize]]));
         AlphaMask::new(&image, 0.5, [mode; 2])
     }
 
     /// Texels' middles along a line, from two textures before the texture on.
     fn holes(mode: wgpu::AddressMode) -> String {
-        let mask = row(mode);
+        let mask = row([255, 0, 255, 255], mode);
         let at = |place: i32| DVec2::new((f64::from(place) + 0.5) / 4.0, 7.3);
         (-8..8).map(|place| if mask.is_hole(at(place)) { '.' } else { '#' }).collect()
     }
 
     #[test]
     fn textures_go_on_past_their_edges() {
-        assert_eq!(holes(wgpu::AddressMode::Repeat), "#..##..##..##..#");
-        assert_eq!(holes(wgpu::AddressMode::MirrorRepeat), "#..##..##..##..#");
-        assert_eq!(holes(wgpu::AddressMode::ClampToEdge), "#########..#####");
+        assert_eq!(holes(wgpu::AddressMode::Repeat), "#.###.###.###.##");
+        assert_eq!(holes(wgpu::AddressMode::MirrorRepeat), "#.####.##.####.#");
+        assert_eq!(holes(wgpu::AddressMode::ClampToEdge), "#########.######");
     }
 
     #[test]
     fn alpha_is_filtered_and_an_even_one_is_not_below_itself() {
-        let mask = row(wgpu::AddressMode::Repeat);
+        let mask = row([255, 0, 0, 255], wgpu::AddressMode::Repeat);
         let at = |texels: f64| mask.is_hole(DVec2::new(texels / 4.0, 0.0));
         assert!(!at(0.99) && at(1.01) && at(2.99) && !at(3.01));
         for byte in [1, 51, 128, 255] {
@@ -121,7 +120,8 @@ mod tests {
     fn a_ray_finds_its_place_in_the_triangle() {
         let corners = [DVec3::new(-1.0, -1.0, -2.0), DVec3::new(3.0, -1.0, -5.0), DVec3::new(-1.0, 2.0, -3.0)];
         let coordinates = [DVec2::ZERO, DVec2::X, DVec2::Y];
-        let cut_outs = CutOuts { masks: vec![row(wgpu::AddressMode::Repeat)], triangles: vec![Some((0, coordinates))] };
+        let masks = vec![row([255, 0, 0, 255], wgpu::AddressMode::Repeat)];
+        let cut_outs = CutOuts { masks, triangles: vec![Some((0, coordinates))] };
         for share in [0.05, 0.2, 0.3, 0.45, 0.55, 0.7, 0.8, 0.9] {
             let along = corners[0].lerp(corners[1], share);
             let point = along.lerp(corners[2], 0.05 * (1.0 - share));
