@@ -40,7 +40,7 @@ impl Frames {
         let gpu = Gpu::new(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}"));
         let mut random = Pcg64::seed_from_u64(1);
         let mut casters = Casters::new(&gpu.device);
-        fill(&mut casters, &tetrahedra(instances, &mut random), Sides::Auto).expect("the device has room");
+        fill(&mut casters, &gpu, &tetrahedra(instances, &mut random), Sides::Auto).expect("the device has room");
         let descriptor = PointShadowsDescriptor { capacity: lights as u32, resolution: 64, ..Default::default() };
         let mut shadows = PointShadows::new(&gpu.device, &descriptor).expect("the descriptor is valid");
         let mut add = |light| (shadows.add(light).expect("there is a place for each light"), light);

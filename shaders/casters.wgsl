@@ -3,8 +3,10 @@
 // A vertex in the mesh's space or the world's.
 struct CasterVertex {
     position: vec3<f32>,
-    // Cone of the normals of all triangles around it: axis and sine, as four signed bytes; a sine of 1 for none.
-    normals: u32,
+    // Of closed pieces the cone of the normals of all triangles around it: axis and sine, as four signed bytes; a sine
+    // of 1 for none. Of masked casters the place of what the vertex has for the mask. Of other deforming ones its place
+    // among the positions that the caller writes.
+    data: u32,
 }
 
 // Where a chunk of an instance has its data.
@@ -39,13 +41,23 @@ struct ChunkBounds {
     normals_sine: f32,
 }
 
+// An entry of the lists that the stages hand on is three vertices. The upper bits of those that have to be split say:
+const VERTEX_MASK: u32 = 0x7fffffffu;
+// on the first vertex: some of the pieces found no room,
+const OVERFLOW_FLAG: u32 = 0x80000000u;
+// on the second and the third: pieces of positive or of negative area in the map face away and don't cast.
+const CULL_FLAG: u32 = 0x80000000u;
+
 const CULL_CLOSED: u32 = 1u;
 const CULL_ALWAYS: u32 = 2u;
 
-// Whether all triangles around a vertex surely face away from a point.
+// Bits of a chunk's kind, by which jobs leave chunks out.
+const KIND_MASKED: u32 = 2u;
+
+// Whether all triangles around a vertex with a cone surely face away from a point.
 fn all_face_away(vertex: CasterVertex, point: vec3<f32>) -> bool {
     let to_vertex = vertex.position - point;
-    let cone = unpack4x8snorm(vertex.normals);
+    let cone = unpack4x8snorm(vertex.data);
     // The axis is a unit vector within a hundredth.
     return dot(to_vertex, cone.xyz) > 1.01 * cone.w * length(to_vertex);
 }
@@ -69,7 +81,6 @@ fn culling(source: ChunkSource) -> u32 {
     return (source.counts >> 18u) & 3u;
 }
 
-// By which jobs leave casters out: 0 for all so far.
 fn kind(source: ChunkSource) -> u32 {
     return (source.counts >> 20u) & 3u;
 }

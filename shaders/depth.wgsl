@@ -13,6 +13,8 @@ struct HemisphereView {
     // What vertices are relative to: the light's position for world space, 0 for pieces.
     origin: vec3<f32>,
     padding_1: u32,
+    light: vec3<f32>,
+    padding_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> hemisphere: HemisphereView;
@@ -25,8 +27,12 @@ fn depth(@location(0) position: vec3<f32>) -> @invariant @builtin(position) vec4
 // A corner of a piece, with its shift of 1/w.
 @vertex
 fn depth_of_piece(@location(0) corner: vec4<f32>) -> @invariant @builtin(position) vec4<f32> {
-    let clip = clip_position(corner.xyz);
-    return vec4<f32>(clip.xy, clip.z * (1.0 + corner.w * clip.w), clip.w);
+    return clip_position_of_piece(corner.xyz, corner.w);
+}
+
+fn clip_position_of_piece(corner: vec3<f32>, shift: f32) -> vec4<f32> {
+    let clip = clip_position(corner);
+    return vec4<f32>(clip.xy, clip.z * (1.0 + shift * clip.w), clip.w);
 }
 
 fn clip_position(position: vec3<f32>) -> vec4<f32> {

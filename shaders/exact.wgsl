@@ -12,12 +12,15 @@ struct Vertex {
     @location(0) @interpolate(flat, either) a: vec3<f32>,
     @location(1) @interpolate(flat, either) b: vec3<f32>,
     @location(2) @interpolate(flat, either) c: vec3<f32>,
+    // Where it stands in the lists.
+    @location(3) @interpolate(flat, either) place: u32,
 }
 
 @vertex
 fn exact_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) place: u32) -> Vertex {
     let at = 3u * (view.list_capacity * (HEMISPHERE + 1u) - 1u - place);
     var result: Vertex;
+    result.place = at;
     result.a = hemisphere_position(lists[at]);
     result.b = hemisphere_position(lists[at + 1u]);
     result.c = hemisphere_position(lists[at + 2u]);
@@ -51,6 +54,35 @@ fn hemisphere_position(entry: u32) -> vec3<f32> {
 
 @fragment
 fn exact_fragment(vertex: Vertex) -> @builtin(frag_depth) f32 {
+    let texel = exact_texel(vertex);
+    if !texel.covered {
+        discard;
+    }
+    return texel.depth;
+}
+
+@fragment
+fn exact_masked_fragment(vertex: Vertex) -> @builtin(frag_depth) f32 {
+    let texel = exact_texel(vertex);
+    let a = mask_vertices[vertices[lists[vertex.place] & VERTEX_MASK].data];
+    let b = mask_vertices[vertices[lists[vertex.place + 1u] & VERTEX_MASK].data];
+    let c = mask_vertices[vertices[lists[vertex.place + 2u] & VERTEX_MASK].data];
+    let weights = barycentrics(vertex.a, vertex.b, vertex.c, texel.point);
+    if !texel.covered || is_hole(masks[a.mask], weighted_coordinates(a, b, c, weights)) {
+        discard;
+    }
+    return texel.depth;
+}
+
+// What a triangle is at a texel's centre.
+struct ExactTexel {
+    covered: bool,
+    depth: f32,
+    // Of its plane, in hemisphere space.
+    point: vec3<f32>,
+}
+
+fn exact_texel(vertex: Vertex) -> ExactTexel {
     let centre = vec2<f32>((f32(HEMISPHERE) + 0.5) * view.resolution, 0.5 * view.resolution);
     let p = (vertex.position.xy - centre) * vec2<f32>(1.0, -1.0) / view.texels;
     let q = dp_unproject_scaled(p);
@@ -62,10 +94,7 @@ fn exact_fragment(vertex: Vertex) -> @builtin(frag_depth) f32 {
         && sign(plane_distance) * edge_distance(vertex.b, vertex.c, q) >= -reach
         && sign(plane_distance) * edge_distance(vertex.c, vertex.a, q) >= -reach;
     let depth = dp_plane_depth(normal, plane_distance, p, view.near);
-    if !(inside && depth > 0.0 && depth <= 1.0) {
-        discard;
-    }
-    return depth;
+    return ExactTexel(inside && depth > 0.0 && depth <= 1.0, depth, q * (plane_distance / dot(normal, q)));
 }
 
 // Distance of `q` from the plane through the light and an edge.

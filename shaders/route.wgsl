@@ -97,6 +97,7 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     for (var v = thread; v < vertex_count(source); v += THREADS) {
         let vertex = vertices[source.vertex + v];
         let corner = project_corner(hemisphere_space(vertex.position - view.position, hemisphere));
+        // Only vertices of closed pieces have a cone; of others this says nothing, and isn't asked.
         corners[v] = vec4<f32>(corner, select(0.0, 1.0, all_face_away(vertex, view.position)));
     }
     workgroupBarrier();

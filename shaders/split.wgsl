@@ -13,7 +13,8 @@
 @group(0) @binding(1) var<storage, read_write> arguments: Arguments;
 @group(0) @binding(2) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(3) var<storage, read> vertices: array<CasterVertex>;
-// Three corners a piece, relative to the light, each with a shift of its 1/w; a part for each hemisphere.
+// Three corners a piece, relative to the light, each with a shift of its 1/w; in masked jobs the second corner has the
+// triangle's number in the lists in place of it, and the others' shifts are the same. A part for each hemisphere.
 @group(0) @binding(4) var<storage, read_write> pieces: array<vec4<f32>>;
 // Middling parts of big triangles, as on the stack; a part for each hemisphere.
 @group(0) @binding(5) var<storage, read_write> parts: array<Stacked>;
@@ -217,7 +218,8 @@ fn cut(piece: Piece, hemisphere: u32, shift: ptr<function, vec3<f32>>) -> bool {
     let edges = cuts.x | cuts.y | cuts.z;
     if edges == 0u || level == MOST_LEVELS {
         let cull = select(0.0, 1.0, (piece.info & (1u << 22u)) != 0u) - select(0.0, 1.0, (piece.info & (2u << 22u)) != 0u);
-        let flat = sliver_shifts(a, b, c);
+        // Pieces of masked triangles have room for one shift only.
+        let flat = select(sliver_shifts(a, b, c), vec3<f32>(), is_masked_job());
         *shift = select(vec3<f32>(depth_shift(piece, a, b, c)), flat, any(flat != vec3<f32>()));
         return !(is_culled(a.xy, b.xy, c.xy, cull) || (REJECT && is_between_texels(a.xy, b.xy, c.xy)));
     }
@@ -341,8 +343,10 @@ fn write_leaf(hemisphere: u32, place: u32, piece: Piece, shift: vec3<f32>) {
         return;
     }
     let at = 3u * (view.piece_capacity * hemisphere + place);
+    // The triangle's number in the lists is below 2^24, so a float holds it.
+    let number = f32(list_place(hemisphere, piece.info & 0x3fffffu) / 3u);
     pieces[at] = vec4<f32>(piece.a, shift.x);
-    pieces[at + 1u] = vec4<f32>(piece.b, shift.y);
+    pieces[at + 1u] = vec4<f32>(piece.b, select(shift.y, number, is_masked_job()));
     pieces[at + 2u] = vec4<f32>(piece.c, shift.z);
 }
 

@@ -1,5 +1,5 @@
 // Transform: the chunks of moved instances, from their meshes' space to world space, with their bounds.
-// One workgroup a chunk.
+// One workgroup a chunk. `local_position` is that of rest.wgsl or of deformed.wgsl.
 
 @group(0) @binding(0) var<storage, read> local_vertices: array<CasterVertex>;
 @group(0) @binding(1) var<storage, read_write> vertices: array<CasterVertex>;
@@ -38,10 +38,11 @@ fn transform_chunk(chunk: u32, thread: u32) {
     var high = vec3<f32>(-3.4e38);
     for (var v = thread; v < vertex_count(source); v += THREADS) {
         let vertex = local_vertices[source.local_vertex + v];
-        let local = vec4<f32>(vertex.position, 1.0);
+        let local = vec4<f32>(local_position(source, vertex), 1.0);
         let world = vec3<f32>(dot(row_x, local), dot(row_y, local), dot(row_z, local));
-        let cone = cone_in_world(vertex.normals, row_x.xyz, row_y.xyz, row_z.xyz);
-        vertices[source.vertex + v] = CasterVertex(world, pack4x8snorm(cone + vec4<f32>(0.0, 0.0, 0.0, PACKING)));
+        let cone = cone_in_world(vertex.data, row_x.xyz, row_y.xyz, row_z.xyz);
+        let packed = pack4x8snorm(cone + vec4<f32>(0.0, 0.0, 0.0, PACKING));
+        vertices[source.vertex + v] = CasterVertex(world, select(vertex.data, packed, culling(source) == CULL_CLOSED));
         low = min(low, world);
         high = max(high, world);
     }

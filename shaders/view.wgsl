@@ -62,12 +62,10 @@ struct Arguments {
     parts: array<atomic<u32>, 2>,
 }
 
-// An entry of the lists is three vertices. The upper bits of those that have to be split say:
-const VERTEX_MASK: u32 = 0x7fffffffu;
-// on the first vertex: some of the pieces found no room,
-const OVERFLOW_FLAG: u32 = 0x80000000u;
-// on the second and the third: pieces of positive or of negative area in the map face away and don't cast.
-const CULL_FLAG: u32 = 0x80000000u;
+// Whether the job is of masked chunks; others never take part in it.
+fn is_masked_job() -> bool {
+    return (view.kinds & 3u) == 0u;
+}
 
 // Rejecting what can't change the map; off only to prove that it can't.
 override REJECT: bool = true;

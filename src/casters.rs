@@ -7,6 +7,8 @@ use crate::Error;
 use crate::arena::Arena;
 use crate::chunks::{self, Bounds, Chunk, Culling, Vertex};
 use crate::cone::Cone;
+use crate::deform::{Deformed, Positions};
+use crate::mask::{Mask, MaskedMesh, Masks};
 use crate::ranges::Ranges;
 use crate::slots::{Handle, Slots};
 use crate::transform::Transform;
@@ -20,6 +22,12 @@ pub enum Indices<'a> {
     U16(&'a [u16]),
     /// 32 bits an index.
     U32(&'a [u32]),
+}
+
+impl Default for Indices<'_> {
+    fn default() -> Self {
+        Self::U32(&[])
+    }
 }
 
 impl Indices<'_> {
@@ -52,7 +60,7 @@ pub enum Sides {
 }
 
 /// A mesh to cast shadows, in its own space.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct CasterMesh<'a> {
     /// Vertices; finite.
     pub positions: &'a [[f32; 3]],
@@ -60,6 +68,11 @@ pub struct CasterMesh<'a> {
     pub indices: Indices<'a>,
     /// Which sides cast.
     pub sides: Sides,
+    /// Where it has holes, if it has any.
+    pub mask: Option<Mask<'a>>,
+    /// Whether instances take positions that the caller writes on the GPU, see [`Casters::deform`]; until they are
+    /// given some, they have those above. With [`Sides::Auto`] no closed pieces are looked for then.
+    pub deforms: bool,
 }
 
 /// Handle of a mesh in the [`Casters`] that gave it.
@@ -79,6 +92,9 @@ struct Mesh {
     chunks: Vec<Chunk>,
     bounds: Bounds,
     instances: usize,
+    mask: Option<MaskedMesh>,
+    /// Of meshes that deform: how many positions a deformed instance has.
+    positions: Option<u64>,
 }
 
 #[derive(Debug)]
@@ -86,7 +102,10 @@ struct Instance {
     mesh: Handle,
     first_vertex: u32,
     first_chunk: u32,
+    transform: Affine3A,
     bounds: Bounds,
+    /// Once it is deformed, its own bounds in the mesh's space.
+    deformed: Option<(Positions, Bounds)>,
     moved: bool,
 }
 
@@ -107,6 +126,9 @@ pub(crate) struct ChunkSource {
     pub(crate) pieces_max: Vec3,
     pub(crate) normals: Cone,
 }
+
+/// Bit of a chunk's kind; twin of the constant in `shaders/casters.wgsl`.
+const KIND_MASKED: u32 = 2;
 
 /// What moved, came or went: the bounds before and after, whichever there were.
 #[derive(Debug, Clone, Copy)]
@@ -137,6 +159,7 @@ pub struct Casters {
     vertex_ranges: Ranges,
     chunk_ranges: Ranges,
     triangle_count: u64,
+    masked_instances: usize,
     moved: Vec<Handle>,
     changes: VecDeque<Change>,
     first_change: u64,
@@ -146,7 +169,9 @@ pub struct Casters {
     pub(crate) chunk_sources: Arena,
     pub(crate) chunk_bounds: Arena,
     pub(crate) transforms: Arena,
+    masks: Masks,
     transform: Transform,
+    limits: wgpu::Limits,
 }
 
 impl Casters {
@@ -163,6 +188,7 @@ impl Casters {
             vertex_ranges: Ranges::default(),
             chunk_ranges: Ranges::default(),
             triangle_count: 0,
+            masked_instances: 0,
             moved: Vec::new(),
             changes: VecDeque::new(),
             first_change: 0,
@@ -172,7 +198,9 @@ impl Casters {
             chunk_sources: arena("chunks", size_of::<ChunkSource>() as u64, wgpu::BufferUsages::empty()),
             chunk_bounds: arena("chunk bounds", CHUNK_BOUNDS_SIZE, wgpu::BufferUsages::empty()),
             transforms: arena("transforms", 48, wgpu::BufferUsages::empty()),
+            masks: Masks::new(device),
             transform: Transform::new(device),
+            limits: device.limits(),
         }
     }
 
@@ -185,33 +213,50 @@ impl Casters {
     /// Bytes that the casters take on the GPU.
     #[must_use]
     pub fn memory(&self) -> u64 {
-        self.arenas().iter().map(|arena| arena.size()).sum()
+        self.arenas().map(Arena::size).sum()
     }
 
-    fn arenas(&self) -> [&Arena; 6] {
-        [
+    fn arenas(&self) -> impl Iterator<Item = &Arena> {
+        let own = [
             &self.local_vertices,
             &self.triangles,
             &self.vertices,
             &self.chunk_sources,
             &self.chunk_bounds,
             &self.transforms,
-        ]
+        ];
+        own.into_iter().chain(self.masks.arenas())
+    }
+
+    /// Whether any instance has holes.
+    pub(crate) fn has_masked(&self) -> bool {
+        self.masked_instances > 0
+    }
+
+    /// What `shaders/mask.wgsl` reads.
+    pub(crate) fn mask_buffers(&self) -> [&wgpu::Buffer; 3] {
+        self.masks.arenas().map(Arena::buffer)
     }
 
     /// Adds a mesh; it casts once it has instances. Takes time in proportion to its triangles: they are welded by
-    /// exact position and cut into chunks, and with [`Sides::Auto`] closed pieces are looked for.
-    /// Triangles of no area are left out.
+    /// exact position, with a mask by texture coordinates too, and cut into chunks, and with [`Sides::Auto`] closed
+    /// pieces are looked for. Triangles of no area are left out. A mesh that deforms keeps all its vertices.
     ///
     /// # Errors
     /// [`Error::EmptyMesh`], [`Error::IndexCount`], [`Error::IndexOutOfRange`] or [`Error::PositionNotFinite`] for
-    /// wrong input, [`Error::CastersTooLarge`] if the device can't bind that much.
+    /// wrong input, [`Error::TextureCoordinateCount`], [`Error::TextureCoordinateNotFinite`] or [`Error::InvalidMask`]
+    /// for a wrong mask, [`Error::CastersTooLarge`] if the device can't bind that much.
     pub fn add_mesh(&mut self, mesh: &CasterMesh) -> Result<MeshId, Error> {
         validate(mesh)?;
-        let cut = chunks::cut(mesh);
+        let mut cut = chunks::cut(mesh);
         let (vertices, triangles) = (cut.vertices.len() as u32, cut.triangles.len() as u32);
         self.local_vertices.check(self.local_ranges.end_after(vertices))?;
         self.triangles.check(self.triangle_ranges.end_after(triangles))?;
+        if let Some(mask) = &mesh.mask {
+            self.masks.check(mask, vertices)?;
+        }
+        let mask = mesh.mask.as_ref();
+        let mask = mask.map(|mask| self.masks.add(mask, &cut.texture_coordinates, &mut cut.vertices));
         let first_vertex = self.local_ranges.allocate(vertices);
         let first_triangle = self.triangle_ranges.allocate(triangles);
         self.local_vertices.write(first_vertex, bytemuck::cast_slice(&cut.vertices));
@@ -224,6 +269,8 @@ impl Casters {
             chunks: cut.chunks,
             bounds: cut.bounds,
             instances: 0,
+            mask,
+            positions: mesh.deforms.then_some(mesh.positions.len() as u64),
         };
         Ok(MeshId(self.meshes.insert(mesh)))
     }
@@ -239,6 +286,9 @@ impl Casters {
         }
         self.local_ranges.release(mesh.first_vertex, mesh.vertex_count);
         self.triangle_ranges.release(mesh.first_triangle, mesh.triangle_count);
+        if let Some(mask) = &mesh.mask {
+            self.masks.remove(mask);
+        }
         self.meshes.remove(id.0)?;
         Ok(())
     }
@@ -259,7 +309,9 @@ impl Casters {
         let first_vertex = self.vertex_ranges.allocate(entry.vertex_count);
         let first_chunk = self.chunk_ranges.allocate(chunk_count);
         self.triangle_count += u64::from(entry.triangle_count);
-        let instance = Instance { mesh: mesh.0, first_vertex, first_chunk, bounds, moved: true };
+        self.masked_instances += usize::from(entry.mask.is_some());
+        let instance =
+            Instance { mesh: mesh.0, first_vertex, first_chunk, transform, bounds, deformed: None, moved: true };
         let handle = self.instances.insert(instance);
         let entry = self.meshes.get_mut(mesh.0)?;
         let sources: Vec<ChunkSource> =
@@ -278,12 +330,39 @@ impl Casters {
     pub fn set_transform(&mut self, id: InstanceId, transform: Affine3A) -> Result<(), Error> {
         let instance = self.instances.get_mut(id.0)?;
         let mesh = self.meshes.get_mut(instance.mesh)?;
-        let bounds = transformed(&mesh.bounds, &transform)?;
+        let local = instance.deformed.as_ref().map_or(&mesh.bounds, |(_, bounds)| bounds);
+        let bounds = transformed(local, &transform)?;
+        instance.transform = transform;
+        self.transforms.write(id.0.slot, bytemuck::cast_slice(&rows(&transform)));
+        self.moved(id, bounds)
+    }
+
+    /// Says that an instance of a mesh that [`deforms`](CasterMesh::deforms) has other positions: to be called whenever
+    /// they have changed. They are read in the next [`PointShadows::record`](crate::PointShadows::record), in its
+    /// encoder, so a pass that writes them has to be recorded or submitted before.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`], [`Error::InvalidDeformed`], [`Error::TransformNotFinite`] if the instance's transform
+    /// takes the bounds out of the range of `f32`, [`Error::CastersTooLarge`] if the device can't bind that much.
+    pub fn deform(&mut self, id: InstanceId, deformed: &Deformed) -> Result<(), Error> {
+        let instance = self.instances.get_mut(id.0)?;
+        let Some(count) = self.meshes.get(instance.mesh)?.positions else {
+            let remedy = "add the mesh with `deforms`".to_owned();
+            return Err(Error::InvalidDeformed { what: "mesh", value: "one that doesn't deform".to_owned(), remedy });
+        };
+        deformed.validate(count, &self.limits)?;
+        let bounds = transformed(&deformed.bounds(), &instance.transform)?;
+        instance.deformed = Some((Positions::new(deformed, count), deformed.bounds()));
+        self.moved(id, bounds)
+    }
+
+    /// Notes that an instance is where it wasn't.
+    fn moved(&mut self, id: InstanceId, bounds: Bounds) -> Result<(), Error> {
+        let instance = self.instances.get_mut(id.0)?;
         let before = std::mem::replace(&mut instance.bounds, bounds);
         if !std::mem::replace(&mut instance.moved, true) {
             self.moved.push(id.0);
         }
-        self.transforms.write(id.0.slot, bytemuck::cast_slice(&rows(&transform)));
         self.note(Change { before: Some(before), after: Some(bounds) });
         Ok(())
     }
@@ -299,6 +378,7 @@ impl Casters {
         let chunk_count = mesh.chunks.len() as u32;
         mesh.instances -= 1;
         self.triangle_count -= u64::from(mesh.triangle_count);
+        self.masked_instances -= usize::from(mesh.mask.is_some());
         self.vertex_ranges.release(first_vertex, mesh.vertex_count);
         self.chunk_ranges.release(first_chunk, chunk_count);
         let none: ChunkSource = bytemuck::Zeroable::zeroed();
@@ -339,7 +419,7 @@ impl Casters {
 
     /// Changes whenever a buffer was replaced, so that bind groups have to be made anew.
     pub(crate) fn generation(&self) -> u64 {
-        self.arenas().iter().map(|arena| arena.generation()).sum()
+        self.arenas().map(Arena::generation).sum()
     }
 
     /// Brings the GPU's copy up to date: grows or shrinks buffers, writes what was added, transforms what moved.
@@ -353,16 +433,22 @@ impl Casters {
         self.chunk_sources.update(device, queue, encoder, chunks);
         self.chunk_bounds.update(device, queue, encoder, chunks);
         self.transforms.update(device, queue, encoder, slots);
-        let jobs = self.take_moved_chunks();
+        self.masks.update(device, queue, encoder);
+        let (jobs, deformed) = self.take_moved_chunks();
+        let arenas = [&self.local_vertices, &self.vertices, &self.chunk_sources, &self.chunk_bounds, &self.transforms];
+        let buffers = arenas.map(Arena::buffer);
         if !jobs.is_empty() {
-            let arenas =
-                [&self.local_vertices, &self.vertices, &self.chunk_sources, &self.chunk_bounds, &self.transforms];
-            self.transform.record(device, encoder, arenas.map(Arena::buffer), &jobs);
+            self.transform.record(device, encoder, buffers, &jobs);
+        }
+        let [mask_vertices, ..] = self.masks.arenas().map(Arena::buffer);
+        for (positions, jobs) in deformed {
+            self.transform.record_deformed(device, encoder, buffers, &jobs, &positions, mask_vertices);
         }
     }
 
-    fn take_moved_chunks(&mut self) -> Vec<u32> {
-        let mut jobs = Vec::new();
+    /// Chunks to transform: those with their mesh's positions, and those of each deformed instance.
+    fn take_moved_chunks(&mut self) -> (Vec<u32>, Vec<(Positions, Vec<u32>)>) {
+        let (mut jobs, mut deformed) = (Vec::new(), Vec::new());
         for handle in std::mem::take(&mut self.moved) {
             let Ok(instance) = self.instances.get_mut(handle) else {
                 continue;
@@ -372,9 +458,13 @@ impl Casters {
             let Ok(mesh) = self.meshes.get_mut(instance.mesh) else {
                 continue;
             };
-            jobs.extend(first..first + mesh.chunks.len() as u32);
+            let chunks = first..first + mesh.chunks.len() as u32;
+            match &instance.deformed {
+                Some((positions, _)) => deformed.push((positions.clone(), chunks.collect())),
+                None => jobs.extend(chunks),
+            }
         }
-        jobs
+        (jobs, deformed)
     }
 }
 
@@ -394,7 +484,7 @@ fn validate(mesh: &CasterMesh) -> Result<(), Error> {
     }
     match mesh.positions.iter().position(|p| !Vec3::from(*p).is_finite()) {
         Some(vertex) => Err(Error::PositionNotFinite { vertex, value: mesh.positions[vertex] }),
-        None => Ok(()),
+        None => mesh.mask.map_or(Ok(()), |mask| mask.validate(positions)),
     }
 }
 
@@ -404,13 +494,14 @@ fn chunk_source(mesh: &Mesh, chunk: &Chunk, first_vertex: u32, instance: u32) ->
         Culling::Closed => 1,
         Culling::Always => 2,
     };
+    let kind = if mesh.mask.is_some() { KIND_MASKED } else { 0 };
     let pieces =
         if chunk.culling == Culling::Closed { chunk.pieces } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
     ChunkSource {
         local_vertex: mesh.first_vertex + chunk.first_vertex,
         vertex: first_vertex + chunk.first_vertex,
         triangle: mesh.first_triangle + chunk.first_triangle,
-        counts: chunk.vertex_count | chunk.triangle_count << 9 | culling << 18,
+        counts: chunk.vertex_count | chunk.triangle_count << 9 | culling << 18 | kind << 20,
         pieces_min: pieces.min,
         instance,
         pieces_max: pieces.max,

@@ -64,8 +64,10 @@ pub(crate) struct Chunk {
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Vertex {
     pub(crate) position: Vec3,
-    /// The normals of all triangles around it, if back faces may be dropped where there is no front face.
-    pub(crate) normals: Cone,
+    /// [`Cone`] of the normals of all triangles around it, if back faces may be dropped where there is no front face.
+    /// Of deforming meshes its number among the mesh's positions; of masked ones what [`Masks`](crate::mask::Masks)
+    /// puts there instead.
+    pub(crate) data: u32,
 }
 
 /// A mesh cut into chunks.
@@ -73,6 +75,8 @@ pub(crate) struct Vertex {
 pub(crate) struct ChunkedMesh {
     /// The chunks' vertices, one run a chunk.
     pub(crate) vertices: Vec<Vertex>,
+    /// Of masked meshes the vertices' texture coordinates, else none.
+    pub(crate) texture_coordinates: Vec<[f32; 2]>,
     /// A triangle's corners as places in its chunk's run of vertices: bits 0-7, 8-15, 16-23.
     pub(crate) triangles: Vec<u32>,
     pub(crate) chunks: Vec<Chunk>,
@@ -90,7 +94,7 @@ struct Triangle {
 
 /// Cuts a mesh whose values have been checked. Triangles of no area are left out: they cast nothing.
 pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
-    let (positions, corners) = weld(mesh);
+    let Welded { positions, corners, sources } = weld(mesh);
     let mut triangles: Vec<Triangle> = corners
         .into_iter()
         .map(|c| Triangle {
@@ -100,7 +104,10 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
             piece: 0,
         })
         .collect();
-    let pieces = if mesh.sides == Sides::Auto { find_closed_pieces(&positions, &mut triangles) } else { Vec::new() };
+    // Holes show back faces, and what is turned away now may not be later.
+    let plain = mesh.mask.is_none() && !mesh.deforms;
+    let closes = mesh.sides == Sides::Auto && plain;
+    let pieces = if closes { find_closed_pieces(&positions, &mut triangles) } else { Vec::new() };
 
     let mut cutter = Cutter {
         positions: &positions,
@@ -108,13 +115,29 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
         always: mesh.sides == Sides::Front,
         local: vec![u32::MAX; positions.len()],
         welded: Vec::new(),
-        out: ChunkedMesh { vertices: Vec::new(), triangles: Vec::new(), chunks: Vec::new(), bounds: Bounds::EMPTY },
+        out: ChunkedMesh {
+            vertices: Vec::new(),
+            texture_coordinates: Vec::new(),
+            triangles: Vec::new(),
+            chunks: Vec::new(),
+            bounds: Bounds::EMPTY,
+        },
     };
     let split = closed_first(&mut triangles);
     let (closed, open) = triangles.split_at_mut(split);
     cutter.cut(closed);
     cutter.cut(open);
-    cutter.bound_normals();
+    if plain {
+        cutter.bound_normals();
+    }
+    let sources = cutter.welded.iter().map(|&vertex| sources[vertex as usize]);
+    if let Some(mask) = &mesh.mask {
+        let coordinates = sources.clone().map(|source| mask.texture_coordinates[source as usize]);
+        cutter.out.texture_coordinates = coordinates.collect();
+    }
+    if mesh.deforms {
+        cutter.out.vertices.iter_mut().zip(sources).for_each(|(vertex, source)| vertex.data = source);
+    }
     for vertex in &cutter.out.vertices {
         cutter.out.bounds.extend(vertex.position);
     }
@@ -127,25 +150,43 @@ fn closed_first(triangles: &mut [Triangle]) -> usize {
     triangles.partition_point(|t| t.closed)
 }
 
-/// Positions without repetition, and the triangles of some area by them.
-fn weld(mesh: &CasterMesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+/// A mesh's vertices without repetition.
+struct Welded {
+    positions: Vec<Vec3>,
+    /// The triangles of some area; if the mesh deforms, all of three vertices.
+    corners: Vec<[u32; 3]>,
+    /// One of the mesh's positions that each is.
+    sources: Vec<u32>,
+}
+
+/// Joins vertices of the same position and, if the mesh is masked, of the same texture coordinates. Those of a mesh
+/// that deforms may part, so they stay as they are.
+fn weld(mesh: &CasterMesh) -> Welded {
     // Adding 0 makes -0 and 0 the same bits.
-    let key = |v: u32| (Vec3::from(mesh.positions[v as usize]) + 0.0).to_array().map(f32::to_bits);
+    let key = |v: u32| {
+        let position = (Vec3::from(mesh.positions[v as usize]) + 0.0).to_array().map(f32::to_bits);
+        let coordinates = mesh.mask.map(|mask| mask.texture_coordinates[v as usize].map(f32::to_bits));
+        (position, coordinates, mesh.deforms.then_some(v))
+    };
     let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     order.sort_unstable_by_key(|&v| (key(v), v));
     let mut welded = vec![0u32; order.len()];
-    let mut positions: Vec<Vec3> = Vec::new();
+    let (mut positions, mut sources) = (Vec::new(), Vec::new());
     let mut last = None;
     for &v in &order {
         let bits = key(v);
         if last != Some(bits) {
-            positions.push(Vec3::from_array(bits.map(f32::from_bits)));
+            positions.push(Vec3::from_array(bits.0.map(f32::from_bits)));
+            sources.push(v);
             last = Some(bits);
         }
         welded[v as usize] = positions.len() as u32 - 1;
     }
     let triangle = |i: [u32; 3]| i.map(|v| welded[v as usize]);
     let casts = |c: &[u32; 3]| {
+        if mesh.deforms {
+            return c[0] != c[1] && c[1] != c[2] && c[2] != c[0];
+        }
         let [a, b, c] = c.map(|v| positions[v as usize].as_dvec3());
         (b - a).cross(c - a) != DVec3::ZERO
     };
@@ -155,7 +196,7 @@ fn weld(mesh: &CasterMesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         }
         Indices::U32(list) => list.as_chunks().0.iter().map(|&i: &[u32; 3]| triangle(i)).filter(casts).collect(),
     };
-    (positions, corners)
+    Welded { positions, corners, sources }
 }
 
 /// One direction of a triangle's edge.
@@ -320,7 +361,7 @@ impl Cutter<'_> {
                 let local = &mut self.local[vertex as usize];
                 if *local == u32::MAX {
                     *local = (self.out.vertices.len() - first_vertex) as u32;
-                    self.out.vertices.push(Vertex { position: self.positions[vertex as usize], normals: Cone::NONE });
+                    self.out.vertices.push(Vertex { position: self.positions[vertex as usize], data: Cone::NONE.0 });
                     self.welded.push(vertex);
                 }
                 packed |= (*local & 0xff) << (8 * place);
@@ -376,7 +417,7 @@ impl Cutter<'_> {
             first = own.end;
             let run = chunk.first_vertex as usize..(chunk.first_vertex + chunk.vertex_count) as usize;
             for (vertex, &welded) in self.out.vertices[run.clone()].iter_mut().zip(&self.welded[run]) {
-                vertex.normals = Cone::new(around.triangles(welded).iter().map(|&t| normals[t as usize]));
+                vertex.data = Cone::new(around.triangles(welded).iter().map(|&t| normals[t as usize])).0;
             }
             let seen = corners[own].iter().flatten().flat_map(|&v| around.triangles(v));
             chunk.normals = Cone::new(seen.map(|&t| normals[t as usize]));

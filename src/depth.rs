@@ -4,6 +4,7 @@
 use crate::casters::VERTEX_SIZE;
 use crate::gpu::{self, Binding};
 use crate::light::{Coverage, PointLight};
+use crate::masked::{self, Masked};
 use crate::view::{Arguments, HemisphereView, MapShape, SLOT, View};
 use glam::Vec3;
 use std::mem::offset_of;
@@ -13,21 +14,32 @@ const VIEWS: u64 = 4;
 
 #[derive(Debug)]
 pub(crate) struct Depth {
-    whole: wgpu::RenderPipeline,
-    pieces: wgpu::RenderPipeline,
-    exact: [wgpu::RenderPipeline; 2],
+    opaque: Pipelines,
+    masked: Option<Masked>,
+    layout: wgpu::BindGroupLayout,
     exact_layout: wgpu::BindGroupLayout,
     views: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
 
+/// One for each of what a pass draws; for what is drawn exactly one for each hemisphere.
+#[derive(Debug)]
+pub(crate) struct Pipelines {
+    pub(crate) whole: wgpu::RenderPipeline,
+    pub(crate) pieces: wgpu::RenderPipeline,
+    pub(crate) exact: [wgpu::RenderPipeline; 2],
+}
+
 /// What a light's pass draws from.
+#[derive(Clone, Copy)]
 pub(crate) struct Sources<'a> {
     pub(crate) vertices: &'a wgpu::Buffer,
     pub(crate) lists: &'a wgpu::Buffer,
     pub(crate) pieces: &'a wgpu::Buffer,
     pub(crate) arguments: &'a wgpu::Buffer,
     pub(crate) exact: &'a wgpu::BindGroup,
+    /// For jobs of masked casters.
+    pub(crate) masked: Option<&'a masked::Groups>,
 }
 
 impl Depth {
@@ -45,15 +57,21 @@ impl Depth {
         let size = size_of::<HemisphereView>() as u64;
         let group = gpu::bind_group(device, "depth", &layout, &[gpu::dynamic(&views, size)]);
         let module = gpu::shader(device, "depth", crate::wgsl::depth());
-        let exact_module = gpu::shader(device, "exact", crate::wgsl::exact());
-        Self {
-            whole: depth_pipeline(device, &layout, &module, "depth", VERTEX_SIZE, wgpu::VertexFormat::Float32x3),
-            pieces: depth_pipeline(device, &layout, &module, "depth_of_piece", 16, wgpu::VertexFormat::Float32x4),
-            exact: [0, 1].map(|hemisphere| exact_pipeline(device, &exact_layout, &exact_module, hemisphere)),
-            exact_layout,
-            views,
-            group,
-        }
+        let [whole, pieces] = [wgpu::vertex_attr_array![0 => Float32x3], wgpu::vertex_attr_array![0 => Float32x4]];
+        let pipeline = |entry_point, stride, attributes| {
+            depth_pipeline(device, &[&layout], &module, entry_point, Some(vertex_buffer(stride, attributes)), None)
+        };
+        let opaque = Pipelines {
+            whole: pipeline("depth", VERTEX_SIZE, &whole),
+            pieces: pipeline("depth_of_piece", 16, &pieces),
+            exact: exact_pipelines(device, &[&exact_layout], "exact_fragment"),
+        };
+        Self { opaque, masked: None, layout, exact_layout, views, group }
+    }
+
+    /// The part for masked casters, made when it is first needed.
+    pub(crate) fn masked(&mut self, device: &wgpu::Device) -> &Masked {
+        self.masked.get_or_insert_with(|| Masked::new(device, &self.layout, &self.exact_layout))
     }
 
     pub(crate) fn exact_group(
@@ -81,7 +99,8 @@ impl Depth {
         queue.write_buffer(&self.views, 0, &bytes);
     }
 
-    /// Draws what job `job` chose for the light whose views are the `light`th. The first job of a light clears.
+    /// Draws what job `job` chose for the light whose views are the `light`th. The first job of a light clears. With
+    /// masked groups in the sources it is a job of masked casters.
     #[expect(clippy::too_many_arguments, reason = "one call site; each is a separate thing")]
     pub(crate) fn record(
         &self,
@@ -112,83 +131,101 @@ impl Depth {
         };
         let size = shape.resolution as f32;
         let view = |back: u32, relative: u32| (light * VIEWS as u32 + 2 * back + relative) * SLOT as u32;
+        let pipelines = match (&self.masked, sources.masked) {
+            (Some(masked), Some(groups)) => {
+                pass.set_bind_group(1, &groups[0], &[]);
+                pass.set_bind_group(2, &groups[1], &[]);
+                &masked.pipelines
+            }
+            _ => &self.opaque,
+        };
         pass.set_index_buffer(sources.lists.slice(..), wgpu::IndexFormat::Uint32);
         for back in backs {
             let b = u64::from(back);
             pass.set_viewport(size * back as f32, 0.0, size, size, 0.0, 1.0);
-            pass.set_pipeline(&self.whole);
+            pass.set_pipeline(&pipelines.whole);
             pass.set_bind_group(0, &self.group, &[view(back, 0)]);
             pass.set_vertex_buffer(0, sources.vertices.slice(..));
             pass.draw_indexed_indirect(sources.arguments, at + offset_of!(Arguments, whole) as u64 + 20 * b);
-            pass.set_pipeline(&self.pieces);
+            pass.set_pipeline(&pipelines.pieces);
             pass.set_bind_group(0, &self.group, &[view(back, 1)]);
             pass.set_vertex_buffer(0, sources.pieces.slice(..));
             pass.draw_indirect(sources.arguments, at + offset_of!(Arguments, pieces) as u64 + 16 * b);
-            pass.set_pipeline(&self.exact[back as usize]);
+            pass.set_pipeline(&pipelines.exact[back as usize]);
             pass.set_bind_group(0, sources.exact, &[job * SLOT as u32]);
             pass.draw_indirect(sources.arguments, at + offset_of!(Arguments, exact) as u64 + 16 * b);
         }
     }
 }
 
-fn depth_pipeline(
+/// A buffer of vertices that a depth pipeline draws.
+pub(crate) fn vertex_buffer(stride: u64, attributes: &[wgpu::VertexAttribute]) -> wgpu::VertexBufferLayout<'_> {
+    wgpu::VertexBufferLayout { array_stride: stride, step_mode: wgpu::VertexStepMode::Vertex, attributes }
+}
+
+/// Pipeline that writes the hardware's depth, wherever the fragment shader, if there is one, doesn't discard it.
+pub(crate) fn depth_pipeline(
     device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
+    layouts: &[&wgpu::BindGroupLayout],
     module: &wgpu::ShaderModule,
     entry_point: &str,
-    stride: u64,
-    format: wgpu::VertexFormat,
+    buffer: Option<wgpu::VertexBufferLayout>,
+    fragment: Option<&str>,
 ) -> wgpu::RenderPipeline {
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(entry_point),
-        layout: Some(&gpu::pipeline_layout(device, "depth", layout)),
+        layout: Some(&gpu::pipeline_layout(device, "depth", layouts)),
         vertex: wgpu::VertexState {
             module,
             entry_point: Some(entry_point),
             compilation_options: Default::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: stride,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &[wgpu::VertexAttribute { format, offset: 0, shader_location: 0 }],
-            })],
+            buffers: &[buffer],
         },
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(gpu::depth_state()),
         multisample: wgpu::MultisampleState::default(),
-        fragment: None,
+        fragment: fragment.map(|entry_point| wgpu::FragmentState {
+            module,
+            entry_point: Some(entry_point),
+            compilation_options: Default::default(),
+            targets: &[],
+        }),
         multiview_mask: None,
         cache: None,
     })
 }
 
-fn exact_pipeline(
+/// Pipelines of the triangles drawn exactly, one for each hemisphere.
+pub(crate) fn exact_pipelines(
     device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    module: &wgpu::ShaderModule,
-    hemisphere: u32,
-) -> wgpu::RenderPipeline {
-    let constants = [("HEMISPHERE", f64::from(hemisphere))];
-    let compilation_options =
-        wgpu::PipelineCompilationOptions { constants: &constants, zero_initialize_workgroup_memory: false };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("dual_paraboloid::exact"),
-        layout: Some(&gpu::pipeline_layout(device, "exact", layout)),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("exact_vertex"),
-            compilation_options: compilation_options.clone(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
-        depth_stencil: Some(gpu::depth_state()),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some("exact_fragment"),
-            compilation_options,
-            targets: &[],
-        }),
-        multiview_mask: None,
-        cache: None,
+    layouts: &[&wgpu::BindGroupLayout],
+    fragment: &str,
+) -> [wgpu::RenderPipeline; 2] {
+    let module = gpu::shader(device, "exact", crate::wgsl::exact());
+    [0.0, 1.0].map(|hemisphere| {
+        let constants = [("HEMISPHERE", hemisphere)];
+        let compilation_options =
+            wgpu::PipelineCompilationOptions { constants: &constants, zero_initialize_workgroup_memory: false };
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("dual_paraboloid::exact"),
+            layout: Some(&gpu::pipeline_layout(device, "exact", layouts)),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("exact_vertex"),
+                compilation_options: compilation_options.clone(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
+            depth_stencil: Some(gpu::depth_state()),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some(fragment),
+                compilation_options,
+                targets: &[],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
     })
 }

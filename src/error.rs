@@ -36,6 +36,42 @@ pub enum Error {
         /// Its position.
         value: [f32; 3],
     },
+    /// Texture coordinates that aren't one for each position.
+    #[error("the mask has {coordinates} texture coordinates and the mesh {positions} positions: give one for each")]
+    TextureCoordinateCount {
+        /// Number of texture coordinates given.
+        coordinates: usize,
+        /// Number of positions given.
+        positions: usize,
+    },
+    /// A texture coordinate that is NaN or infinite.
+    #[error("texture coordinate {vertex} is {value:?}: both must be finite")]
+    TextureCoordinateNotFinite {
+        /// Number of the vertex.
+        vertex: usize,
+        /// Its texture coordinates.
+        value: [f32; 2],
+    },
+    /// A mask whose texture can't be read or whose numbers are out of range.
+    #[error("the mask's {what} is {value}: {remedy}")]
+    InvalidMask {
+        /// Which of its properties.
+        what: &'static str,
+        /// Its value, printed.
+        value: String,
+        /// What it has to be.
+        remedy: &'static str,
+    },
+    /// Positions of a deforming mesh that can't be read.
+    #[error("the deformed positions' {what} is {value}: {remedy}")]
+    InvalidDeformed {
+        /// Which of their properties.
+        what: &'static str,
+        /// Its value, printed.
+        value: String,
+        /// What it has to be.
+        remedy: String,
+    },
     /// A transform with a NaN or infinite entry, or one that moves the mesh out of the range of `f32`.
     #[error("the transform {value} takes the mesh to coordinates that aren't finite: check its scale and translation")]
     TransformNotFinite {

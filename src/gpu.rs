@@ -80,11 +80,12 @@ pub(crate) fn layout(
 pub(crate) fn pipeline_layout(
     device: &wgpu::Device,
     what: &str,
-    group: &wgpu::BindGroupLayout,
+    groups: &[&wgpu::BindGroupLayout],
 ) -> wgpu::PipelineLayout {
+    let groups: Vec<Option<&wgpu::BindGroupLayout>> = groups.iter().map(|group| Some(*group)).collect();
     device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(&label(what)),
-        bind_group_layouts: &[Some(group)],
+        bind_group_layouts: &groups,
         ..Default::default()
     })
 }
@@ -97,7 +98,7 @@ pub(crate) fn compute_pipeline(
     layout: Option<&wgpu::BindGroupLayout>,
     constants: &[(&str, f64)],
 ) -> wgpu::ComputePipeline {
-    let layout = layout.map(|group| pipeline_layout(device, what, group));
+    let layout = layout.map(|group| pipeline_layout(device, what, &[group]));
     device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(&label(what)),
         layout: layout.as_ref(),

@@ -7,7 +7,7 @@
 //! # Use
 //!
 //! ```no_run
-//! use dual_paraboloid::{CasterMesh, Casters, Indices, PointLight, PointShadows, PointShadowsDescriptor, Sides, wgsl};
+//! use dual_paraboloid::{CasterMesh, Casters, Indices, PointLight, PointShadows, PointShadowsDescriptor, wgsl};
 //! # use glam::{Affine3A, Vec3};
 //! # struct Renderer { casters: Casters, shadows: PointShadows, door: dual_paraboloid::InstanceId }
 //! # const LIGHTING: &str = "";
@@ -15,7 +15,7 @@
 //!
 //! // Once: what casts, which lights, and the text and the layout for the lighting pass.
 //! let mut casters = Casters::new(device);
-//! let mesh = CasterMesh { positions, indices: Indices::U32(indices), sides: Sides::Auto };
+//! let mesh = CasterMesh { positions, indices: Indices::U32(indices), ..Default::default() };
 //! let mesh = casters.add_mesh(&mesh)?;
 //! let door = casters.add_instance(mesh, Affine3A::IDENTITY)?;
 //! let mut shadows = PointShadows::new(device, &PointShadowsDescriptor { capacity: 8, ..Default::default() })?;
@@ -66,12 +66,15 @@ mod chunks;
 #[cfg(feature = "compare")]
 pub mod compare;
 mod cone;
+mod deform;
 mod demand;
 mod depth;
 mod error;
 mod gpu;
 mod light;
 mod lookup;
+mod mask;
+mod masked;
 pub mod paraboloid;
 mod ranges;
 mod route;
@@ -83,8 +86,10 @@ mod view;
 pub mod wgsl;
 
 pub use casters::{CasterMesh, Casters, Indices, InstanceId, MeshId, Sides};
+pub use deform::Deformed;
 pub use error::Error;
 pub use light::{Coverage, PointLight};
+pub use mask::Mask;
 #[cfg(feature = "compare")]
 pub use shadows::Stage;
 pub use shadows::{LightId, PointShadows, PointShadowsDescriptor};

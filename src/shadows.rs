@@ -7,10 +7,12 @@ use crate::depth::{Depth, Sources};
 use crate::gpu;
 use crate::light::PointLight;
 use crate::lookup::Lookup;
+use crate::masked;
 use crate::route::Route;
 use crate::slots::{Handle, Slots};
 use crate::split::Split;
 use crate::view::{Arguments, Capacities, Job, MapShape, SLOT, View};
+use std::ops::Range;
 
 /// How [`PointShadows`] are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,13 +98,29 @@ pub enum Stage {
     Depth,
 }
 
-/// Bind groups over the casters' buffers, and of which casters.
+/// Bind groups over the casters' buffers, and of which casters, masked ones among them or not.
 #[derive(Debug)]
 struct Groups {
-    key: (u32, u64),
+    key: (u32, u64, bool),
     route: wgpu::BindGroup,
     split: wgpu::BindGroup,
     exact: wgpu::BindGroup,
+    /// If there are masked casters.
+    masked: Option<masked::Groups>,
+}
+
+/// Chunks that are drawn together.
+#[derive(Debug, Clone)]
+struct Share {
+    chunks: Range<u32>,
+    masked: bool,
+}
+
+impl Share {
+    /// As [`Job::kinds`].
+    fn kinds(&self) -> u32 {
+        if self.masked { 0b1100 } else { 0b0011 }
+    }
 }
 
 impl PointShadows {
@@ -259,13 +277,15 @@ impl PointShadows {
         stale: &[(u32, PointLight)],
     ) {
         let replaced = self.route.fit(device, casters) | self.split.fit(device, &self.shape, self.wanted);
-        let ranges = self.route.stretches(casters);
+        let shares = self.shares(casters);
         let jobs: Vec<Job> = stale
             .iter()
-            .flat_map(|&(_, light)| ranges.iter().map(move |chunks| Job { light, chunks: chunks.clone(), kinds: !0 }))
+            .flat_map(|&(_, light)| {
+                shares.iter().map(move |share| Job { light, chunks: share.chunks.clone(), kinds: share.kinds() })
+            })
             .collect();
         self.write_jobs(device, queue, &jobs);
-        let key = (casters.owner(), casters.generation());
+        let key = (casters.owner(), casters.generation(), casters.has_masked());
         if replaced || self.groups.as_ref().is_none_or(|groups| groups.key != key) {
             self.groups = Some(self.bind(device, casters, key));
         }
@@ -278,31 +298,40 @@ impl PointShadows {
             pieces: self.split.pieces(),
             arguments: &self.arguments,
             exact: &groups.exact,
+            masked: None,
         };
         for (number, (layer, light)) in (0..).zip(stale) {
             let target = &self.layers[*layer as usize];
-            let draw = |encoder: &mut _, job, clear| {
+            let draw = |encoder: &mut _, job, masked: bool, clear| {
+                let sources = Sources { masked: groups.masked.as_ref().filter(|_| masked), ..sources };
                 self.depth.record(encoder, target, &sources, &self.shape, light.coverage, number, job, clear);
             };
-            if ranges.is_empty() {
-                draw(encoder, None, true);
+            if shares.is_empty() {
+                draw(encoder, None, false, true);
             }
-            for (part, chunks) in (0..).zip(&ranges) {
-                let job = number * ranges.len() as u32 + part;
+            for (part, share) in (0..).zip(&shares) {
+                let job = number * shares.len() as u32 + part;
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                     label: Some("dual_paraboloid::route and split"),
                     timestamp_writes: None,
                 });
-                self.route.record(&mut pass, &groups.route, job, chunks.len() as u32);
+                self.route.record(&mut pass, &groups.route, job, share.chunks.len() as u32);
                 if self.until >= Stage::Split {
                     self.split.record(&mut pass, &groups.split, job);
                 }
                 drop(pass);
                 if self.until >= Stage::Depth {
-                    draw(encoder, Some(job), part == 0);
+                    draw(encoder, Some(job), share.masked, part == 0);
                 }
             }
         }
+    }
+
+    /// What a light's map is made of, one job each: masked casters after the others of the same chunks.
+    fn shares(&self, casters: &Casters) -> Vec<Share> {
+        let masks = if casters.has_masked() { &[false, true][..] } else { &[false] };
+        let stretches = self.route.stretches(casters).into_iter();
+        stretches.flat_map(|chunks| masks.iter().map(move |&masked| Share { chunks: chunks.clone(), masked })).collect()
     }
 
     /// Writes each job's view and its counters' start, growing the buffers if there are more jobs than ever.
@@ -328,13 +357,18 @@ impl PointShadows {
         queue.write_buffer(&self.arguments, 0, &arguments);
     }
 
-    fn bind(&self, device: &wgpu::Device, casters: &Casters, key: (u32, u64)) -> Groups {
+    fn bind(&mut self, device: &wgpu::Device, casters: &Casters, key: (u32, u64, bool)) -> Groups {
         let (lists, vertices) = (self.route.lists(), casters.vertices.buffer());
+        let masked = casters.has_masked().then(|| {
+            let masked = self.depth.masked(device);
+            masked.groups(device, casters.mask_buffers(), lists, vertices, self.split.pieces())
+        });
         Groups {
             key,
             route: self.route.bind_group(device, &self.views, &self.arguments, casters),
             split: self.split.bind_group(device, &self.views, &self.arguments, lists, vertices),
             exact: self.depth.exact_group(device, &self.views, lists, vertices),
+            masked,
         }
     }
 

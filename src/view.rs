@@ -144,6 +144,8 @@ pub(crate) struct HemisphereView {
     padding_0: u32,
     origin: Vec3,
     padding_1: u32,
+    light: Vec3,
+    padding_2: u32,
 }
 
 impl HemisphereView {
@@ -160,6 +162,8 @@ impl HemisphereView {
             padding_0: 0,
             origin,
             padding_1: 0,
+            light: light.position,
+            padding_2: 0,
         }
     }
 }

@@ -3,9 +3,14 @@
 const PARABOLOID: &str = include_str!("../shaders/paraboloid.wgsl");
 const CASTERS: &str = include_str!("../shaders/casters.wgsl");
 const VIEW: &str = include_str!("../shaders/view.wgsl");
+const REST: &str = include_str!("../shaders/rest.wgsl");
+const DEFORMED: &str = include_str!("../shaders/deformed.wgsl");
 const TRANSFORM: &str = include_str!("../shaders/transform.wgsl");
 const ROUTE: &str = include_str!("../shaders/route.wgsl");
 const SPLIT: &str = include_str!("../shaders/split.wgsl");
+const MASK: &str = include_str!("../shaders/mask.wgsl");
+const MASK_COPY: &str = include_str!("../shaders/mask_copy.wgsl");
+const MASKED: &str = include_str!("../shaders/masked.wgsl");
 const DEPTH: &str = include_str!("../shaders/depth.wgsl");
 const EXACT: &str = include_str!("../shaders/exact.wgsl");
 const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
@@ -25,7 +30,11 @@ pub fn paraboloid() -> &'static str {
 }
 
 pub(crate) fn transform() -> String {
-    [CASTERS, TRANSFORM].concat()
+    [CASTERS, TRANSFORM, REST].concat()
+}
+
+pub(crate) fn transform_deformed() -> String {
+    [CASTERS, TRANSFORM, MASK, DEFORMED].concat()
 }
 
 pub(crate) fn route() -> String {
@@ -41,7 +50,15 @@ pub(crate) fn depth() -> String {
 }
 
 pub(crate) fn exact() -> String {
-    [PARABOLOID, CASTERS, VIEW, EXACT].concat()
+    [PARABOLOID, CASTERS, VIEW, MASK, EXACT].concat()
+}
+
+pub(crate) fn mask_copy() -> String {
+    MASK_COPY.to_owned()
+}
+
+pub(crate) fn masked() -> String {
+    [PARABOLOID, CASTERS, MASK, DEPTH, MASKED].concat()
 }
 
 /// Name and text of every complete module that the library compiles, and of the lookup under group 0; for checking
@@ -50,10 +67,13 @@ pub(crate) fn exact() -> String {
 pub fn modules() -> Vec<(&'static str, String)> {
     vec![
         ("transform", transform()),
+        ("transform_deformed", transform_deformed()),
         ("route", route()),
         ("split", split()),
         ("depth", depth()),
         ("exact", exact()),
+        ("mask_copy", mask_copy()),
+        ("masked", masked()),
         ("lookup", lookup(0)),
     ]
 }

@@ -50,7 +50,7 @@ fn depths(method: Method, resolution: u32, scene: &mut DeviceScene, light: &Poin
 }
 
 fn on_device(scene: &Scene, sides: Sides) -> DeviceScene {
-    DeviceScene::new(&gpu().device, scene, sides).unwrap()
+    DeviceScene::new(gpu(), scene, sides).unwrap()
 }
 
 fn scene_of(meshes: Vec<SceneMesh>, instances: Vec<(usize, Affine3A)>) -> Scene {

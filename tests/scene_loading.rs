@@ -284,6 +284,22 @@ fn materials_and_their_images_are_read() {
     let image = &scene.images[material.base_color_image.unwrap()];
     assert_eq!((image.dimensions(), image.get_pixel(2, 1).0), ((3, 2), [10, 20, 30, 40]));
     assert_eq!(scene.meshes[0].tex_coords.as_ref().unwrap()[2], [0.0, 0.25]);
+    assert_eq!(material.address_modes, [wgpu::AddressMode::Repeat; 2]);
+    let mask = scene.mask(&scene.meshes[0]).unwrap();
+    assert_eq!((mask.cutoff, mask.image, mask.tex_coords.len()), (0.25 / 0.4, 0, 3));
+    assert!(scene.has_holes() && !scene.without_holes().has_holes());
+
+    maker.json["textures"] = json!([{ "source": 0, "sampler": 0 }]);
+    maker.json["samplers"] = json!([{ "wrapS": 33071, "wrapT": 33648 }]);
+    let modes = [wgpu::AddressMode::ClampToEdge, wgpu::AddressMode::MirrorRepeat];
+    assert_eq!(maker.load("materials").unwrap().materials[0].address_modes, modes);
+    maker.json["samplers"] = json!([{ "wrapS": 7 }]);
+    assert!(message("materials", maker.load("materials")).contains("wrapping mode"));
+    maker.json["textures"] = json!([{ "source": 0 }]);
+    // Nothing has an alpha of more than the base colour's.
+    maker.json["materials"][1]["alphaCutoff"] = json!(0.5);
+    assert!(message("materials", maker.load("materials")).contains("draws no triangle"));
+    maker.json["materials"][1]["alphaCutoff"] = json!(0.25);
 
     maker.json["images"] = json!([{ "uri": format!("data:image/png;base64,{}", base64(&png)) }]);
     assert_eq!(maker.load("materials").unwrap().images[0].dimensions(), (3, 2));

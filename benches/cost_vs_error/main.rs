@@ -95,7 +95,8 @@ impl Bench<'_> {
     /// Measures a scene under all rules. What the device can't do is left out, and `figures` says so.
     fn measure(&self, name: &str, figures: &mut Figures) -> anyhow::Result<()> {
         self.bar.set_message(format!("{name}: the scene"));
-        let scene = find_scene(name)?;
+        // The other methods know no holes.
+        let scene = find_scene(name)?.without_holes();
         for &rule in &self.arguments.rules {
             let started = Instant::now();
             match self.gpu.attempt(|| self.costs(&scene, rule)).map_err(Into::into).and_then(|costs| costs) {
@@ -120,7 +121,7 @@ impl Bench<'_> {
         let message = |what: &str| self.bar.set_message(format!("{}, {rule}: {what}", scene.name));
         let (light, _) = choose_light(scene, None, None);
         message("casters");
-        let casters = DeviceScene::new(&self.gpu.device, scene, rule.sides())?;
+        let casters = DeviceScene::new(self.gpu, scene, rule.sides())?;
         message("the truth");
         let (samples, seed) = (self.arguments.samples as usize, self.arguments.seed);
         let truth = Truth::with_sides(scene, &light, rule.sides(), samples, seed);

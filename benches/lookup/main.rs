@@ -104,7 +104,8 @@ fn quick(arguments: Arguments) -> Arguments {
 }
 
 fn measure(gpu: &Gpu, timer: &Timer, name: &str, arguments: &Arguments) -> anyhow::Result<(String, Vec<LookupTime>)> {
-    let scene = find_scene(name)?;
+    // The other methods know no holes.
+    let scene = find_scene(name)?.without_holes();
     let (light, _) = choose_light(&scene, None, None);
     let (width, height) = arguments.size;
     let shot = Shot::take(&scene, &scene.suggest_camera(light.position), width, height);

@@ -12,7 +12,7 @@ use anyhow::{anyhow, ensure};
 use arguments::Arguments;
 use clap::Parser;
 use dual_paraboloid::Sides;
-use dual_paraboloid::compare::baselines::DeviceScene;
+use dual_paraboloid::compare::baselines::{DeviceScene, Method};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene};
 use dual_paraboloid::compare::text::{grouped, one_line};
@@ -33,7 +33,12 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let scene = find_scene(&arguments.scene)?;
+    let mut scene = find_scene(&arguments.scene)?;
+    let others = arguments.methods.iter().any(|entry| entry.method != Method::Paraboloid);
+    if others && scene.has_holes() {
+        println!("holes      left out, since methods other than paraboloid know none");
+        scene = scene.without_holes();
+    }
     let (light, choice) = choose_light(&scene, arguments.light, arguments.range);
     light.validate()?;
     let gpu = Gpu::new(
@@ -52,7 +57,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     println!("light      at {},{},{}, range {:.4}, near {:.3e} ({choice})", at.x, at.y, at.z, light.range, light.near);
 
     let mut measured = figures::prepare(&gpu, arguments)?;
-    let mut casters = DeviceScene::new(&gpu.device, &scene, Sides::Auto)?;
+    let mut casters = DeviceScene::new(&gpu, &scene, Sides::Auto)?;
     let bar = progress(1 + measured.len() + figures::time_steps(arguments));
     bar.set_message("the truth");
     let truth = Truth::new(&scene, &light, arguments.samples as usize, arguments.seed);

@@ -181,15 +181,6 @@ fn upload_materials(gpu: &Gpu, scene: &Scene, layout: &wgpu::BindGroupLayout) ->
     let white = upload_image(gpu, image::RgbaImage::from_pixel(1, 1, image::Rgba([255; 4])))?;
     let images = scene.images.iter().map(|image| upload_image(gpu, image.clone()));
     let images = images.collect::<anyhow::Result<Vec<_>>>()?;
-    let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some("render::base color"),
-        address_mode_u: wgpu::AddressMode::Repeat,
-        address_mode_v: wgpu::AddressMode::Repeat,
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        mipmap_filter: wgpu::MipmapFilterMode::Linear,
-        ..Default::default()
-    });
     let material = |material: &Material| {
         let record = material_record(material);
         let record = upload(gpu, "material", bytes_of(&record), wgpu::BufferUsages::UNIFORM)?;
@@ -197,11 +188,23 @@ fn upload_materials(gpu: &Gpu, scene: &Scene, layout: &wgpu::BindGroupLayout) ->
         let resources = [
             record.as_entire_binding(),
             wgpu::BindingResource::TextureView(image),
-            wgpu::BindingResource::Sampler(&sampler),
+            wgpu::BindingResource::Sampler(&sampler(gpu, material.address_modes)),
         ];
         Ok(crate::camera::bind_group(&gpu.device, "material", layout, &resources))
     };
     scene.materials.iter().map(material).collect()
+}
+
+fn sampler(gpu: &Gpu, [address_mode_u, address_mode_v]: [wgpu::AddressMode; 2]) -> wgpu::Sampler {
+    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("render::base color"),
+        address_mode_u,
+        address_mode_v,
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
+    })
 }
 
 fn material_record(material: &Material) -> MaterialRecord {

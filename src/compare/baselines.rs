@@ -43,14 +43,14 @@ pub struct DeviceScene {
 
 impl DeviceScene {
     /// Uploads a scene in both forms, all meshes with the same rule for sides. [`Sides::Front`] culls back faces in
-    /// all methods.
+    /// all methods. Of holes only [`Method::Paraboloid`] knows: to compare methods give [`Scene::without_holes`].
     ///
     /// # Errors
     /// Whatever [`fill`] and [`SceneBuffers::new`] return.
-    pub fn new(device: &wgpu::Device, scene: &Scene, sides: Sides) -> Result<Self, Error> {
-        let mut chunked = Casters::new(device);
-        fill(&mut chunked, scene, sides)?;
-        Ok(Self { instanced: SceneBuffers::new(device, scene, sides == Sides::Front)?, chunked })
+    pub fn new(gpu: &Gpu, scene: &Scene, sides: Sides) -> Result<Self, Error> {
+        let mut chunked = Casters::new(&gpu.device);
+        fill(&mut chunked, gpu, scene, sides)?;
+        Ok(Self { instanced: SceneBuffers::new(&gpu.device, scene, sides == Sides::Front)?, chunked })
     }
 }
 

@@ -145,7 +145,7 @@ impl<'a> LookupBench<'a> {
         shot: &Shot,
         pair: u32,
     ) -> Result<Self, BaselineError> {
-        let mut casters = DeviceScene::new(&gpu.device, scene, Sides::Auto)?;
+        let mut casters = DeviceScene::new(gpu, scene, Sides::Auto)?;
         let mut maps = Vec::new();
         for method in [Method::Paraboloid, Method::Cube, Method::VertexWarp] {
             let mut map = Baseline::new(&gpu.device, method, method.side(pair, Budget::EqualTexels))?;

@@ -45,7 +45,7 @@ impl Truth {
             range: f64::from(light.range),
         };
         let reference = match sides {
-            Sides::Auto | Sides::Both => Reference::new(&scene.world_triangles().corners, None, view.position),
+            Sides::Auto | Sides::Both => both_faces(scene, view.position),
             Sides::Front => front_faces(scene, view.position),
         };
         let receivers = sample_receivers(&reference, &view, samples, seed);
@@ -84,17 +84,27 @@ impl Truth {
     }
 }
 
+/// A scene's triangles, of which both sides cast.
+fn both_faces(scene: &Scene, light: DVec3) -> Reference {
+    let all = scene.world_triangles();
+    Reference::new(&all.corners, None, light).with_cut_outs(scene.cut_outs(&all))
+}
+
 /// A scene's triangles, of which only the fronts cast.
 fn front_faces(scene: &Scene, light: DVec3) -> Reference {
     let mut all = scene.world_triangles();
-    for (corners, instance) in all.corners.iter_mut().zip(&all.instance) {
+    let mut cut_outs = scene.cut_outs(&all);
+    for (number, (corners, instance)) in all.corners.iter_mut().zip(&all.instance).enumerate() {
         // A transform that mirrors turns the winding around.
         if scene.instances[*instance as usize].transform.matrix3.determinant() < 0.0 {
             corners.swap(1, 2);
+            if let Some(Some((_, coordinates))) = cut_outs.triangles.get_mut(number) {
+                coordinates.swap(1, 2);
+            }
         }
     }
     let sides = vec![reference::Sides::Front; all.corners.len()];
-    Reference::new(&all.corners, Some(&sides), light)
+    Reference::new(&all.corners, Some(&sides), light).with_cut_outs(cut_outs)
 }
 
 /// A light's maps of a scene, made by the library.
@@ -119,7 +129,7 @@ impl Made {
         descriptor: &PointShadowsDescriptor,
     ) -> Result<Self, Error> {
         let mut casters = Casters::new(&gpu.device);
-        fill(&mut casters, scene, Sides::Auto)?;
+        fill(&mut casters, gpu, scene, Sides::Auto)?;
         let mut shadows = PointShadows::new(&gpu.device, descriptor)?;
         let light = shadows.add(light)?;
         gpu.submit(|encoder| {

@@ -7,6 +7,7 @@
 
 pub mod baselines;
 pub mod cost;
+mod cut_outs;
 pub mod error_figures;
 mod fill;
 pub mod gpu;
@@ -22,4 +23,5 @@ mod test_shapes;
 pub mod text;
 pub mod timing;
 
+pub use cut_outs::{AlphaMask, CutOuts};
 pub use fill::fill;

@@ -19,6 +19,7 @@ use glam::{DQuat, DVec3, Vec3};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
+use super::CutOuts;
 use crate::paraboloid::double as paraboloid;
 
 /// Bound of the rounding error of a triple product `(A x B).d`, relative to `|A| |B|`, for a unit `d`.
@@ -89,6 +90,7 @@ pub struct Hit {
 pub struct Reference {
     light_position: DVec3,
     triangles: Vec<[DVec3; 3]>,
+    cut_outs: CutOuts,
     nodes: Vec<Node>,
     /// Deepest level of the tree: what a traversal's stack has to hold.
     depth: usize,
@@ -114,7 +116,18 @@ impl Reference {
             .map(|i| i as u32)
             .collect();
         let (nodes, depth) = build_tree(&triangles, &casters);
-        Self { light_position, triangles, nodes, depth }
+        Self { light_position, triangles, cut_outs: CutOuts::default(), nodes, depth }
+    }
+
+    /// Cuts holes into triangles: rays go through them.
+    ///
+    /// # Panics
+    /// When there are cut-outs for another number of triangles, but for none at all.
+    #[must_use]
+    pub fn with_cut_outs(self, cut_outs: CutOuts) -> Self {
+        let count = cut_outs.triangles.len();
+        assert!(count == 0 || count == self.triangles.len(), "one cut-out a triangle");
+        Self { cut_outs, ..self }
     }
 
     /// The light's position in the world.
@@ -133,6 +146,12 @@ impl Reference {
     #[must_use]
     pub fn normal(&self, triangle: u32) -> DVec3 {
         normal(&self.triangles[triangle as usize]).normalize_or_zero()
+    }
+
+    /// Whether the direction of a triangle's point is that of a hole in it.
+    #[must_use]
+    pub fn is_hole(&self, triangle: u32, direction: DVec3) -> bool {
+        self.cut_outs.is_hole(triangle, &self.triangles[triangle as usize], direction)
     }
 
     /// The nearest caster in a unit direction at a distance of at least `t_min`.
@@ -198,6 +217,7 @@ impl Reference {
                 let triangle = index & !LEAF;
                 if let Some(t) = intersect(&self.triangles[triangle as usize], direction)
                     && t <= t_max
+                    && !self.is_hole(triangle, direction)
                 {
                     t_max = visit(triangle, t, t_max);
                 }

@@ -10,7 +10,9 @@ mod suggest;
 
 use std::path::{Path, PathBuf};
 
-use glam::{Affine3A, DAffine3, DVec3, Vec3};
+use glam::{Affine3A, DAffine3, DVec2, DVec3, Vec3};
+
+use super::{AlphaMask, CutOuts};
 
 /// A scene: meshes, their instances, materials, images and point lights.
 #[derive(Clone, Debug, Default)]
@@ -60,6 +62,8 @@ pub struct Material {
     pub base_color: [f32; 4],
     /// Index into [`Scene::images`].
     pub base_color_image: Option<usize>,
+    /// How the image goes on past its edges, across and down.
+    pub address_modes: [wgpu::AddressMode; 2],
     /// How alpha is used.
     pub alpha: Alpha,
     /// Whether back faces are drawn too.
@@ -74,6 +78,7 @@ impl Default for Material {
         Self {
             base_color: [1.0; 4],
             base_color_image: None,
+            address_modes: [wgpu::AddressMode::Repeat; 2],
             alpha: Alpha::Opaque,
             double_sided: false,
             emissive: [0.0; 3],
@@ -86,13 +91,26 @@ impl Default for Material {
 pub enum Alpha {
     /// Alpha is ignored.
     Opaque,
-    /// A texel is drawn where its alpha is at least `cutoff`, and is a hole elsewhere.
+    /// A surface is drawn where its alpha is at least `cutoff`, and is a hole elsewhere.
     Mask {
-        /// Smallest alpha that is drawn, normally in 0..=1.
+        /// Smallest alpha that is drawn, normally in 0..=1. Compared with the product of image and base colour.
         cutoff: f32,
     },
-    /// Alpha is coverage.
+    /// Alpha is coverage. Casts as if it were opaque.
     Blend,
+}
+
+/// Where a mesh has holes.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneMask<'a> {
+    /// Index into [`Scene::images`].
+    pub image: usize,
+    /// Texture coordinates, one per position.
+    pub tex_coords: &'a [[f32; 2]],
+    /// Smallest alpha of the image that casts, in 0..=1.
+    pub cutoff: f32,
+    /// How the image goes on past its edges, across and down.
+    pub address_modes: [wgpu::AddressMode; 2],
 }
 
 /// A point light of the scene.
@@ -207,6 +225,60 @@ impl Scene {
             out.triangle.extend(0..mesh.triangle_count() as u32);
         }
         out
+    }
+
+    /// Where a mesh has holes. `None` for one whose material isn't masked, and for one without an image or without
+    /// texture coordinates, which has the same alpha everywhere.
+    #[must_use]
+    pub fn mask<'a>(&'a self, mesh: &'a SceneMesh) -> Option<SceneMask<'a>> {
+        let material = self.materials.get(mesh.material)?;
+        let Alpha::Mask { cutoff } = material.alpha else { return None };
+        let (image, tex_coords) = (material.base_color_image?, mesh.tex_coords.as_ref()?);
+        // Of a material that leaves nothing nothing was loaded.
+        let cutoff = if cutoff > 0.0 { (cutoff / material.base_color[3]).clamp(0.0, 1.0) } else { 0.0 };
+        Some(SceneMask { image, tex_coords, cutoff, address_modes: material.address_modes })
+    }
+
+    /// Whether anything in it has holes.
+    #[must_use]
+    pub fn has_holes(&self) -> bool {
+        self.meshes.iter().any(|mesh| self.mask(mesh).is_some())
+    }
+
+    /// The holes of all triangles; empty if there are none.
+    #[must_use]
+    pub fn cut_outs(&self, triangles: &WorldTriangles) -> CutOuts {
+        if !self.has_holes() {
+            return CutOuts::default();
+        }
+        let masks: Vec<_> = self.meshes.iter().map(|mesh| self.mask(mesh)).collect();
+        // A place for each mesh, masked or not.
+        let nothing = image::RgbaImage::default();
+        let alphas = masks.iter().map(|mask| match mask {
+            Some(mask) => AlphaMask::new(&self.images[mask.image], mask.cutoff, mask.address_modes),
+            None => AlphaMask::new(&nothing, 0.0, [wgpu::AddressMode::Repeat; 2]),
+        });
+        let of_triangle = |(&instance, &triangle): (&u32, &u32)| {
+            let mesh = self.instances[instance as usize].mesh;
+            let corners = &self.meshes[mesh].indices[3 * triangle as usize..][..3];
+            let coordinates = masks[mesh]?.tex_coords;
+            let pair = |k: usize| DVec2::from(coordinates[corners[k] as usize].map(f64::from));
+            Some((mesh as u32, [pair(0), pair(1), pair(2)]))
+        };
+        let triangles = triangles.instance.iter().zip(&triangles.triangle).map(of_triangle).collect();
+        CutOuts { masks: alphas.collect(), triangles }
+    }
+
+    /// The same scene with masked materials made opaque, for methods that know no holes.
+    #[must_use]
+    pub fn without_holes(&self) -> Self {
+        let mut scene = self.clone();
+        for material in &mut scene.materials {
+            if let Alpha::Mask { .. } = material.alpha {
+                material.alpha = Alpha::Opaque;
+            }
+        }
+        scene
     }
 
     /// A light position for a scene that names none: away from surfaces, in front of them rather than behind, and

@@ -25,7 +25,8 @@ impl Shot {
     #[must_use]
     pub fn take(scene: &Scene, camera: &Camera, width: u32, height: u32) -> Self {
         let rays = Rays::new(camera, width, height);
-        let reference = Reference::new(&scene.world_triangles().corners, None, rays.eye);
+        let triangles = scene.world_triangles();
+        let reference = Reference::new(&triangles.corners, None, rays.eye).with_cut_outs(scene.cut_outs(&triangles));
         let look = |pixel: usize| {
             let direction = rays.direction(pixel);
             let hit = reference.nearest(direction, 0.0)?;

@@ -17,7 +17,7 @@ pub fn soup(triangles: &[[Vec3; 3]], sides: Sides) -> Casters {
     if !triangles.is_empty() {
         let positions: Vec<[f32; 3]> = triangles.iter().flatten().map(|p| p.to_array()).collect();
         let indices: Vec<u32> = (0..positions.len() as u32).collect();
-        let mesh = CasterMesh { positions: &positions, indices: Indices::U32(&indices), sides };
+        let mesh = CasterMesh { positions: &positions, indices: Indices::U32(&indices), sides, ..Default::default() };
         let mesh = casters.add_mesh(&mesh).unwrap();
         casters.add_instance(mesh, Affine3A::IDENTITY).unwrap();
     }

@@ -4,9 +4,11 @@
 mod analytic;
 mod axis;
 mod common;
+mod deforming;
 mod degenerate;
 mod hard_cases;
 mod mapping;
+mod masked;
 mod misuse;
 mod routing;
 mod seam;

@@ -1,13 +1,15 @@
 //! Wrong input is refused by name, and what was there stays.
 
 use crate::common::{box_inside, descriptor, gpu, record, soup};
-use dual_paraboloid::{CasterMesh, Casters, Error, Indices, PointLight, PointShadows, PointShadowsDescriptor, Sides};
+use dual_paraboloid::{
+    CasterMesh, Casters, Error, Indices, Mask, PointLight, PointShadows, PointShadowsDescriptor, Sides,
+};
 use glam::{Affine3A, Quat, Vec3};
 
 const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
 
 fn mesh<'a>(positions: &'a [[f32; 3]], indices: &'a [u32]) -> CasterMesh<'a> {
-    CasterMesh { positions, indices: Indices::U32(indices), sides: Sides::Auto }
+    CasterMesh { positions, indices: Indices::U32(indices), ..Default::default() }
 }
 
 #[test]
@@ -24,7 +26,7 @@ fn meshes() {
     assert!(matches!(add(&broken, &[0, 1, 2]), Err(Error::PositionNotFinite { vertex: 1, .. })));
     assert_eq!(casters.triangle_count(), 0);
     let short: [u16; 3] = [0, 1, 2];
-    let sixteen = CasterMesh { positions: &TRIANGLE, indices: Indices::U16(&short), sides: Sides::Auto };
+    let sixteen = CasterMesh { positions: &TRIANGLE, indices: Indices::U16(&short), ..Default::default() };
     assert!(casters.add_mesh(&sixteen).is_ok());
 }
 
@@ -110,4 +112,67 @@ fn descriptors() {
             other => panic!("{name}: {:?}", other.map(|_| ())),
         }
     }
+}
+
+fn texture(descriptor: wgpu::TextureDescriptor) -> wgpu::Texture {
+    gpu().device.create_texture(&descriptor)
+}
+
+#[test]
+fn masks() {
+    let good = wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: 4, height: 4, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    };
+    let mut casters = Casters::new(&gpu().device);
+    let suitable = texture(good.clone());
+    let coordinates = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    let mask = Mask {
+        texture_coordinates: &coordinates,
+        texture: &suitable,
+        cutoff: 0.5,
+        address_modes: [wgpu::AddressMode::Repeat; 2],
+    };
+    let before = (casters.memory(), casters.triangle_count());
+    let mut add = |mask| casters.add_mesh(&CasterMesh { mask: Some(mask), ..mesh(&TRIANGLE, &[0, 1, 2]) });
+    let few = Mask { texture_coordinates: &coordinates[..2], ..mask };
+    assert_eq!(add(few), Err(Error::TextureCoordinateCount { coordinates: 2, positions: 3 }));
+    let broken = [[0.0, 0.0], [f32::NAN, 0.0], [0.0, 1.0]];
+    let broken = add(Mask { texture_coordinates: &broken, ..mask });
+    assert!(matches!(broken, Err(Error::TextureCoordinateNotFinite { vertex: 1, .. })));
+    let mut refused = |mask, name: &str| match add(mask) {
+        Err(Error::InvalidMask { what, .. }) => assert_eq!(what, name),
+        other => panic!("{name}: {other:?}"),
+    };
+    for cutoff in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
+        refused(Mask { cutoff, ..mask }, "cutoff");
+    }
+    let border = [wgpu::AddressMode::Repeat, wgpu::AddressMode::ClampToBorder];
+    refused(Mask { address_modes: border, ..mask }, "address mode");
+    let deep = wgpu::Extent3d { depth_or_array_layers: 6, ..good.size };
+    let samples = wgpu::TextureDescriptor { sample_count: 4, ..good.clone() };
+    let samples = wgpu::TextureDescriptor { usage: samples.usage | wgpu::TextureUsages::RENDER_ATTACHMENT, ..samples };
+    let format = |format| wgpu::TextureDescriptor { format, ..good.clone() };
+    let unsuitable = [
+        ("texture", wgpu::TextureDescriptor { size: deep, ..good.clone() }),
+        ("texture", wgpu::TextureDescriptor { dimension: wgpu::TextureDimension::D3, ..good.clone() }),
+        ("texture", samples),
+        ("texture's format", format(wgpu::TextureFormat::Rgba8Uint)),
+        ("texture's format", format(wgpu::TextureFormat::R8Unorm)),
+        ("texture's format", format(wgpu::TextureFormat::Depth32Float)),
+        ("texture's usage", wgpu::TextureDescriptor { usage: wgpu::TextureUsages::COPY_DST, ..good.clone() }),
+    ];
+    let unsuitable = unsuitable.map(|(name, descriptor)| (name, texture(descriptor)));
+    for (name, texture) in &unsuitable {
+        refused(Mask { texture, ..mask }, name);
+    }
+    assert_eq!((casters.memory(), casters.triangle_count()), before);
+    let mesh = CasterMesh { mask: Some(mask), ..mesh(&TRIANGLE, &[0, 1, 2]) };
+    assert!(casters.add_mesh(&mesh).is_ok());
 }

@@ -10,7 +10,7 @@ use glam::{Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-fn assert_same(casters: &mut Casters, light: PointLight, resolution: u32, name: &str) {
+pub fn assert_same(casters: &mut Casters, light: PointLight, resolution: u32, name: &str) {
     let routed = map(casters, light, resolution);
     let differences = routed.differences(&unrouted_map(casters, light, resolution));
     assert!(
@@ -84,7 +84,7 @@ fn every_scene() {
     for path in files {
         let scene = Scene::load(&path).unwrap();
         let mut casters = Casters::new(&gpu().device);
-        fill(&mut casters, &scene, Sides::Auto).unwrap();
+        fill(&mut casters, gpu(), &scene, Sides::Auto).unwrap();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let (low, high) = scene.bounds().unwrap();
         for position in known_lights(&name).iter().take(2) {
@@ -99,7 +99,7 @@ fn every_scene() {
 fn the_hall() {
     let scene = procedural::hall();
     let mut casters = Casters::new(&gpu().device);
-    fill(&mut casters, &scene, Sides::Auto).unwrap();
+    fill(&mut casters, gpu(), &scene, Sides::Auto).unwrap();
     let light = PointLight { position: scene.lights[0].position, range: 60.0, ..Default::default() };
     assert_same(&mut casters, light, 1024, "the hall");
 }
@@ -109,7 +109,7 @@ fn two_runs_give_the_same_bits() {
     let scene = procedural::hall();
     let run = || {
         let mut casters = Casters::new(&gpu().device);
-        fill(&mut casters, &scene, Sides::Auto).unwrap();
+        fill(&mut casters, gpu(), &scene, Sides::Auto).unwrap();
         let light = PointLight { position: scene.lights[0].position, range: 60.0, ..Default::default() };
         map(&mut casters, light, 512)
     };

@@ -269,7 +269,7 @@ fn depth_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, text: S
     let module = gpu::shader(device, "compare::cube_routed", text);
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("dual_paraboloid::compare::cube_routed"),
-        layout: Some(&gpu::pipeline_layout(device, "compare::cube_routed", layout)),
+        layout: Some(&gpu::pipeline_layout(device, "compare::cube_routed", &[layout])),
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some("vertex"),

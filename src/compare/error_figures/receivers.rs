@@ -50,9 +50,9 @@ impl Receiver {
 
 /// Draws `n` receivers over all triangles, casters or not, with probability in proportion to area / distance^2.
 ///
-/// Kept are points with `w >= near` in their hemisphere, within the light's range, on surfaces whose normal has a
-/// cosine of more than 0.02 (either sign) with the direction to the light. The weight is exact for triangles of any
-/// size: they are cut until the distance varies little over a part, and drawn by rejection within it. The same seed
+/// Kept are points outside of holes, with `w >= near` in their hemisphere, within the light's range, on surfaces whose
+/// normal has a cosine of more than 0.02 (either sign) with the direction to the light. The weight is exact for
+/// triangles of any size: they are cut until the distance varies little over a part, and drawn by rejection within it. The same seed
 /// gives the same receivers, on any number of threads. Fewer than `n` come back where next to no surface qualifies.
 #[must_use]
 pub fn sample_receivers(reference: &Reference, view: &View, n: usize, seed: u64) -> Vec<Receiver> {
@@ -160,7 +160,7 @@ impl<'a> Sampler<'a> {
 
     fn receiver(&self, triangle: u32, point: DVec3) -> Option<Receiver> {
         let normal = self.reference.normal(triangle);
-        if normal.dot(point).abs() <= MIN_INCIDENCE * point.length() {
+        if normal.dot(point).abs() <= MIN_INCIDENCE * point.length() || self.reference.is_hole(triangle, point) {
             return None;
         }
         let exact = self.view.position + point;

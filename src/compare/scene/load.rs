@@ -9,6 +9,7 @@ use gltf::json::{
     extensions::scene::khr_lights_punctual,
     material::AlphaMode,
     mesh::{Mode, Semantic},
+    texture::WrappingMode,
     validation::Checked,
 };
 
@@ -18,6 +19,9 @@ use super::{
 
 /// More than any test scene has; nodes times primitives of a hostile file could be anything.
 const MAX_INSTANCES: usize = 1 << 22;
+
+/// Of textures without a sampler.
+const DEFAULT_MODES: [wgpu::AddressMode; 2] = [wgpu::AddressMode::Repeat; 2];
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
@@ -222,7 +226,7 @@ impl Loader<'_> {
         Ok(range)
     }
 
-    /// `None` for points and lines, which cast no shadow.
+    /// `None` for points and lines, which cast no shadow, and for what its material leaves nothing of.
     fn primitive(&mut self, name: &str, primitive: &json::mesh::Primitive) -> Result<Option<SceneMesh>, SceneError> {
         let Checked::Valid(mode) = primitive.mode else {
             return Err(self.document.invalid(format!("{name} has an unknown mode")));
@@ -253,6 +257,11 @@ impl Loader<'_> {
         }
         let corners = self.corners(name, primitive.indices, vertices)?;
         let material = self.material(primitive.material.map(|material| material.value()))?;
+        let Material { base_color, alpha, .. } = self.scene.materials[material];
+        if matches!(alpha, Alpha::Mask { cutoff } if cutoff > base_color[3]) {
+            // Whatever its image, all of it is a hole.
+            return Ok(None);
+        }
         Ok(Some(SceneMesh { positions, normals, tex_coords, indices: triangle_list(mode, &corners), material }))
     }
 
@@ -317,13 +326,31 @@ impl Loader<'_> {
         };
         let surface = &material.pbr_metallic_roughness;
         let texture = surface.base_color_texture.as_ref();
+        let image = texture.map(|texture| self.texture(texture.index.value())).transpose()?;
         Ok(Material {
             base_color: surface.base_color_factor.0,
-            base_color_image: texture.map(|texture| self.texture(texture.index.value())).transpose()?,
+            base_color_image: image,
+            address_modes: texture.map_or(Ok(DEFAULT_MODES), |texture| self.address_modes(texture.index.value()))?,
             alpha,
             double_sided: material.double_sided,
             emissive: material.emissive_factor.0,
         })
+    }
+
+    /// How a texture goes on past its edges.
+    fn address_modes(&self, texture: usize) -> Result<[wgpu::AddressMode; 2], SceneError> {
+        let document = self.document;
+        let texture = document.item(&document.root.textures, texture, || "the texture of a material".to_owned())?;
+        let Some(sampler) = texture.sampler else { return Ok(DEFAULT_MODES) };
+        let what = || "the sampler of a texture".to_owned();
+        let sampler = document.item(&document.root.samplers, sampler.value(), what)?;
+        let mode = |mode| match mode {
+            Checked::Valid(WrappingMode::ClampToEdge) => Ok(wgpu::AddressMode::ClampToEdge),
+            Checked::Valid(WrappingMode::MirroredRepeat) => Ok(wgpu::AddressMode::MirrorRepeat),
+            Checked::Valid(WrappingMode::Repeat) => Ok(wgpu::AddressMode::Repeat),
+            Checked::Invalid => Err(document.invalid("a sampler has an unknown wrapping mode")),
+        };
+        Ok([mode(sampler.wrap_s)?, mode(sampler.wrap_t)?])
     }
 
     /// The decoded image behind a texture, as an index into the scene's images.
