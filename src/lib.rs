@@ -46,6 +46,9 @@
 //! The device, the queue and the encoder are the caller's, and nothing is submitted. [`PointShadows::record`] renders
 //! only the lights that changed or that something moved near.
 //!
+//! Foliage and grilles have a [`Mask`] that cuts holes. Meshes whose vertices the renderer moves on the GPU, by skinning
+//! say, are added as ones that [deform](CasterMesh::deforms), and [`Casters::deform`] says where their positions are.
+//!
 //! # Conventions
 //!
 //! | | |
