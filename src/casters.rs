@@ -9,7 +9,7 @@ use crate::chunks::{self, Bounds, Chunk, Culling, Vertex};
 use crate::cone::Cone;
 use crate::ranges::Ranges;
 use crate::slots::{Handle, Slots};
-use crate::transform::Transform;
+use crate::transform::{Moved, Transform};
 use glam::{Affine3A, Vec3};
 use std::collections::VecDeque;
 
@@ -86,8 +86,12 @@ struct Instance {
     mesh: Handle,
     first_vertex: u32,
     first_chunk: u32,
+    transform: Affine3A,
     bounds: Bounds,
+    /// Its vertices in world space aren't up to date.
     moved: bool,
+    /// Marked by [`Casters::set_moving`].
+    moving: bool,
 }
 
 /// A chunk of an instance as the shaders read it: where its data lies.
@@ -103,19 +107,24 @@ pub(crate) struct ChunkSource {
     /// Vertices in bits 0-8, triangles in bits 9-17, culling in bits 18-19, kind in bits 20-21.
     pub(crate) counts: u32,
     pub(crate) pieces_min: Vec3,
-    pub(crate) instance: u32,
+    pub(crate) padding: u32,
     pub(crate) pieces_max: Vec3,
     pub(crate) normals: Cone,
 }
+
+/// Bit of a chunk's kind, by which jobs leave chunks out: its instance is marked as moving.
+const KIND_MOVING: u32 = 1;
 
 /// What moved, came or went: the bounds before and after, whichever there were.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Change {
     pub(crate) before: Option<Bounds>,
     pub(crate) after: Option<Bounds>,
+    /// Of a caster that is marked as moving.
+    pub(crate) moving: bool,
 }
 
-/// Changes remembered for lights that weren't recorded since; past that, every light counts as touched.
+/// Changes remembered for lights that haven't seen them yet; past that, every light counts as touched.
 const REMEMBERED_CHANGES: usize = 1 << 16;
 
 /// Bytes of a vertex, in the mesh's space or the world's; the first twelve are the position.
@@ -137,6 +146,7 @@ pub struct Casters {
     vertex_ranges: Ranges,
     chunk_ranges: Ranges,
     triangle_count: u64,
+    moving_instances: usize,
     moved: Vec<Handle>,
     changes: VecDeque<Change>,
     first_change: u64,
@@ -145,7 +155,6 @@ pub struct Casters {
     pub(crate) vertices: Arena,
     pub(crate) chunk_sources: Arena,
     pub(crate) chunk_bounds: Arena,
-    pub(crate) transforms: Arena,
     transform: Transform,
 }
 
@@ -163,6 +172,7 @@ impl Casters {
             vertex_ranges: Ranges::default(),
             chunk_ranges: Ranges::default(),
             triangle_count: 0,
+            moving_instances: 0,
             moved: Vec::new(),
             changes: VecDeque::new(),
             first_change: 0,
@@ -171,7 +181,6 @@ impl Casters {
             vertices: arena("vertices", VERTEX_SIZE, wgpu::BufferUsages::VERTEX),
             chunk_sources: arena("chunks", size_of::<ChunkSource>() as u64, wgpu::BufferUsages::empty()),
             chunk_bounds: arena("chunk bounds", CHUNK_BOUNDS_SIZE, wgpu::BufferUsages::empty()),
-            transforms: arena("transforms", 48, wgpu::BufferUsages::empty()),
             transform: Transform::new(device),
         }
     }
@@ -188,15 +197,8 @@ impl Casters {
         self.arenas().iter().map(|arena| arena.size()).sum()
     }
 
-    fn arenas(&self) -> [&Arena; 6] {
-        [
-            &self.local_vertices,
-            &self.triangles,
-            &self.vertices,
-            &self.chunk_sources,
-            &self.chunk_bounds,
-            &self.transforms,
-        ]
+    fn arenas(&self) -> [&Arena; 5] {
+        [&self.local_vertices, &self.triangles, &self.vertices, &self.chunk_sources, &self.chunk_bounds]
     }
 
     /// Adds a mesh; it casts once it has instances. Takes time in proportion to its triangles: they are welded by
@@ -259,16 +261,50 @@ impl Casters {
         let first_vertex = self.vertex_ranges.allocate(entry.vertex_count);
         let first_chunk = self.chunk_ranges.allocate(chunk_count);
         self.triangle_count += u64::from(entry.triangle_count);
-        let instance = Instance { mesh: mesh.0, first_vertex, first_chunk, bounds, moved: true };
+        let instance =
+            Instance { mesh: mesh.0, first_vertex, first_chunk, transform, bounds, moved: true, moving: false };
         let handle = self.instances.insert(instance);
-        let entry = self.meshes.get_mut(mesh.0)?;
-        let sources: Vec<ChunkSource> =
-            entry.chunks.iter().map(|chunk| chunk_source(entry, chunk, first_vertex, handle.slot)).collect();
-        self.chunk_sources.write(first_chunk, bytemuck::cast_slice(&sources));
-        self.transforms.write(handle.slot, bytemuck::cast_slice(&rows(&transform)));
+        self.write_chunk_sources(handle)?;
         self.moved.push(handle);
-        self.note(Change { before: None, after: Some(bounds) });
+        self.note(Change { before: None, after: Some(bounds), moving: false });
         Ok(InstanceId(handle))
+    }
+
+    /// Says whether an instance moves often. It makes no difference to the maps: with
+    /// [`keep_static`](crate::PointShadowsDescriptor::keep_static), what is not marked as moving is drawn once and
+    /// kept, so that a marked caster that moves costs little, and another one that moves all that is near. Instances
+    /// aren't marked when they are added.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`].
+    pub fn set_moving(&mut self, id: InstanceId, moving: bool) -> Result<(), Error> {
+        let instance = self.instances.get_mut(id.0)?;
+        if std::mem::replace(&mut instance.moving, moving) == moving {
+            return Ok(());
+        }
+        let bounds = Some(instance.bounds);
+        if moving {
+            self.moving_instances += 1;
+        } else {
+            self.moving_instances -= 1;
+        }
+        self.write_chunk_sources(id.0)?;
+        self.note(Change { before: bounds, after: bounds, moving: false });
+        Ok(())
+    }
+
+    /// Whether any instance is marked as moving.
+    pub(crate) fn any_moving(&self) -> bool {
+        self.moving_instances > 0
+    }
+
+    /// Writes where the chunks of an instance have their data.
+    fn write_chunk_sources(&mut self, id: Handle) -> Result<(), Error> {
+        let instance = self.instances.get(id)?;
+        let mesh = self.meshes.get(instance.mesh)?;
+        let sources: Vec<ChunkSource> = mesh.chunks.iter().map(|chunk| chunk_source(mesh, chunk, instance)).collect();
+        self.chunk_sources.write(instance.first_chunk, bytemuck::cast_slice(&sources));
+        Ok(())
     }
 
     /// Moves an instance.
@@ -280,11 +316,12 @@ impl Casters {
         let mesh = self.meshes.get_mut(instance.mesh)?;
         let bounds = transformed(&mesh.bounds, &transform)?;
         let before = std::mem::replace(&mut instance.bounds, bounds);
+        let moving = instance.moving;
+        instance.transform = transform;
         if !std::mem::replace(&mut instance.moved, true) {
             self.moved.push(id.0);
         }
-        self.transforms.write(id.0.slot, bytemuck::cast_slice(&rows(&transform)));
-        self.note(Change { before: Some(before), after: Some(bounds) });
+        self.note(Change { before: Some(before), after: Some(bounds), moving });
         Ok(())
     }
 
@@ -294,24 +331,25 @@ impl Casters {
     /// [`Error::StaleHandle`].
     pub fn remove_instance(&mut self, id: InstanceId) -> Result<(), Error> {
         let instance = self.instances.get_mut(id.0)?;
-        let (first_vertex, first_chunk, bounds) = (instance.first_vertex, instance.first_chunk, instance.bounds);
+        let Instance { first_vertex, first_chunk, bounds, moving, .. } = *instance;
         let mesh = self.meshes.get_mut(instance.mesh)?;
         let chunk_count = mesh.chunks.len() as u32;
         mesh.instances -= 1;
+        self.moving_instances -= usize::from(moving);
         self.triangle_count -= u64::from(mesh.triangle_count);
         self.vertex_ranges.release(first_vertex, mesh.vertex_count);
         self.chunk_ranges.release(first_chunk, chunk_count);
         let none: ChunkSource = bytemuck::Zeroable::zeroed();
         self.chunk_sources.write(first_chunk, bytemuck::cast_slice(&vec![none; chunk_count as usize]));
         self.instances.remove(id.0)?;
-        self.note(Change { before: Some(bounds), after: None });
+        self.note(Change { before: Some(bounds), after: None, moving });
         Ok(())
     }
 
     fn note(&mut self, change: Change) {
         if self.changes.len() == REMEMBERED_CHANGES {
-            self.first_change += self.changes.len() as u64;
-            self.changes.clear();
+            self.first_change += 1;
+            self.changes.pop_front();
         }
         self.changes.push_back(change);
     }
@@ -346,35 +384,34 @@ impl Casters {
     pub(crate) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
         let (local, triangles) = (self.local_ranges.end(), self.triangle_ranges.end());
         let (vertices, chunks) = (self.vertex_ranges.end(), self.chunk_ranges.end());
-        let slots = self.instances.len();
         self.local_vertices.update(device, queue, encoder, local);
         self.triangles.update(device, queue, encoder, triangles);
         self.vertices.update(device, queue, encoder, vertices);
         self.chunk_sources.update(device, queue, encoder, chunks);
         self.chunk_bounds.update(device, queue, encoder, chunks);
-        self.transforms.update(device, queue, encoder, slots);
-        let jobs = self.take_moved_chunks();
-        if !jobs.is_empty() {
-            let arenas =
-                [&self.local_vertices, &self.vertices, &self.chunk_sources, &self.chunk_bounds, &self.transforms];
-            self.transform.record(device, encoder, arenas.map(Arena::buffer), &jobs);
+        let moved = self.take_moved();
+        if !moved.chunks.is_empty() {
+            let arenas = [&self.local_vertices, &self.vertices, &self.chunk_sources, &self.chunk_bounds];
+            self.transform.record(device, queue, encoder, arenas.map(Arena::buffer), &moved);
         }
     }
 
-    fn take_moved_chunks(&mut self) -> Vec<u32> {
-        let mut jobs = Vec::new();
+    fn take_moved(&mut self) -> Moved {
+        let mut moved = Moved::default();
         for handle in std::mem::take(&mut self.moved) {
             let Ok(instance) = self.instances.get_mut(handle) else {
                 continue;
             };
             instance.moved = false;
             let first = instance.first_chunk;
-            let Ok(mesh) = self.meshes.get_mut(instance.mesh) else {
+            let Ok(mesh) = self.meshes.get(instance.mesh) else {
                 continue;
             };
-            jobs.extend(first..first + mesh.chunks.len() as u32);
+            let place = moved.transforms.len() as u32;
+            moved.chunks.extend((first..).take(mesh.chunks.len()).map(|chunk| [chunk, place]));
+            moved.transforms.push(rows(&instance.transform));
         }
-        jobs
+        moved
     }
 }
 
@@ -398,7 +435,7 @@ fn validate(mesh: &CasterMesh) -> Result<(), Error> {
     }
 }
 
-fn chunk_source(mesh: &Mesh, chunk: &Chunk, first_vertex: u32, instance: u32) -> ChunkSource {
+fn chunk_source(mesh: &Mesh, chunk: &Chunk, instance: &Instance) -> ChunkSource {
     let culling = match chunk.culling {
         Culling::None => 0,
         Culling::Closed => 1,
@@ -406,13 +443,14 @@ fn chunk_source(mesh: &Mesh, chunk: &Chunk, first_vertex: u32, instance: u32) ->
     };
     let pieces =
         if chunk.culling == Culling::Closed { chunk.pieces } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
+    let kind = if instance.moving { KIND_MOVING } else { 0 };
     ChunkSource {
         local_vertex: mesh.first_vertex + chunk.first_vertex,
-        vertex: first_vertex + chunk.first_vertex,
+        vertex: instance.first_vertex + chunk.first_vertex,
         triangle: mesh.first_triangle + chunk.first_triangle,
-        counts: chunk.vertex_count | chunk.triangle_count << 9 | culling << 18,
+        counts: chunk.vertex_count | chunk.triangle_count << 9 | culling << 18 | kind << 20,
         pieces_min: pieces.min,
-        instance,
+        padding: 0,
         pieces_max: pieces.max,
         normals: chunk.normals,
     }

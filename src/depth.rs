@@ -56,6 +56,10 @@ impl Depth {
         }
     }
 
+    pub(crate) fn memory(&self) -> u64 {
+        self.views.size()
+    }
+
     pub(crate) fn exact_group(
         &self,
         device: &wgpu::Device,

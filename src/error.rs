@@ -91,6 +91,9 @@ pub enum Error {
         /// What it has to be.
         remedy: String,
     },
+    /// The device is lost, so nothing was recorded.
+    #[error("the device is lost: make another one, and all that was made with this one anew")]
+    DeviceLost,
     /// No place for another light.
     #[error("all {capacity} places are taken: remove a light, or create the shadows with a larger capacity")]
     CapacityExceeded {

@@ -33,7 +33,7 @@
 //!
 //! // Every frame: say what has moved, record, and bind.
 //! casters.set_transform(door, transform)?;
-//! shadows.record(device, queue, encoder, casters);
+//! shadows.record(device, queue, encoder, casters)?;
 //! let mut pass = encoder.begin_render_pass(descriptor);
 //! pass.set_bind_group(1, shadows.bind_group(), &[]);
 //! # Ok(())
@@ -72,9 +72,11 @@ mod error;
 mod gpu;
 mod light;
 mod lookup;
+mod maps;
 pub mod paraboloid;
 mod ranges;
 mod route;
+mod schedule;
 mod shadows;
 mod slots;
 mod split;
@@ -87,4 +89,4 @@ pub use error::Error;
 pub use light::{Coverage, PointLight};
 #[cfg(feature = "compare")]
 pub use shadows::Stage;
-pub use shadows::{LightId, PointShadows, PointShadowsDescriptor};
+pub use shadows::{LightId, PointShadows, PointShadowsDescriptor, RecordOptions};

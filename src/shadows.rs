@@ -7,10 +7,13 @@ use crate::depth::{Depth, Sources};
 use crate::gpu;
 use crate::light::PointLight;
 use crate::lookup::Lookup;
+use crate::maps::{Maps, Target};
 use crate::route::Route;
+use crate::schedule::{self, Due, Light, Stale};
 use crate::slots::{Handle, Slots};
 use crate::split::Split;
-use crate::view::{Arguments, Capacities, Job, MapShape, SLOT, View};
+use crate::view::{self, Arguments, Capacities, Job, MapShape, SLOT, View};
+use std::ops::Range;
 
 /// How [`PointShadows`] are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,12 +30,16 @@ pub struct PointShadowsDescriptor {
     /// Width of the guard band around each hemisphere, in texels: lookups near the seam find all their texels in
     /// their own map. In [1, 16]; a sixteenth of the resolution at most is used.
     pub guard: f32,
+    /// Keeps a second map of each light's static casters, over a copy of which the
+    /// [moving](crate::Casters::set_moving) ones are drawn. The maps are the same to the bit and take twice the memory;
+    /// it pays where little moves among much that doesn't.
+    pub keep_static: bool,
 }
 
 impl Default for PointShadowsDescriptor {
-    /// Four lights of 1024 texels across, to a tenth of a texel, with a guard band of four texels.
+    /// Four lights of 1024 texels across, to a tenth of a texel, with a guard band of four texels, and one map each.
     fn default() -> Self {
-        Self { capacity: 4, resolution: 1024, tolerance: 0.1, guard: 4.0 }
+        Self { capacity: 4, resolution: 1024, tolerance: 0.1, guard: 4.0, keep_static: false }
     }
 }
 
@@ -49,12 +56,6 @@ impl LightId {
     }
 }
 
-#[derive(Debug)]
-struct Light {
-    light: PointLight,
-    stale: bool,
-}
-
 /// Depth maps of point lights, kept up to date with the casters.
 #[derive(Debug)]
 pub struct PointShadows {
@@ -65,8 +66,7 @@ pub struct PointShadows {
     removed: Vec<u32>,
     /// The casters that the maps show, by owner, and how many of their changes.
     seen: Option<(u32, u64)>,
-    maps: wgpu::Texture,
-    layers: Vec<wgpu::TextureView>,
+    maps: Maps,
     lookup: Lookup,
     route: Route,
     split: Split,
@@ -96,6 +96,27 @@ pub enum Stage {
     Depth,
 }
 
+/// What [`PointShadows::record_with`] may do beside what [`PointShadows::record`] does.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct RecordOptions {
+    /// Maps that are made anew at most. What is left out stays as it is, old light and all, and goes first another time:
+    /// by [priority](PointShadows::set_priority) times the recordings it has waited for. Lights without any map, which
+    /// until then light nothing, go before all others. No limit without a number.
+    pub most: Option<u32>,
+}
+
+/// A map that is drawn in one go, or as many as there are stretches of chunks.
+struct Pass {
+    /// Number of the light among those of the recording.
+    number: u32,
+    layer: u32,
+    light: PointLight,
+    target: Target,
+    /// Drawn over a copy of the map of the static casters.
+    over_static: bool,
+    jobs: Range<u32>,
+}
+
 /// Bind groups over the casters' buffers, and of which casters.
 #[derive(Debug)]
 struct Groups {
@@ -109,7 +130,8 @@ impl PointShadows {
     /// Creates maps for `descriptor.capacity` lights. Needs no optional feature.
     ///
     /// # Errors
-    /// [`Error::InvalidDescriptor`] for a value out of range or more than the device's limits allow.
+    /// [`Error::InvalidDescriptor`] for a value out of range or more than the device's limits allow, or
+    /// [`Error::DeviceLost`].
     pub fn new(device: &wgpu::Device, descriptor: &PointShadowsDescriptor) -> Result<Self, Error> {
         Self::with_rejection(device, descriptor, true)
     }
@@ -126,19 +148,18 @@ impl PointShadows {
 
     fn with_rejection(device: &wgpu::Device, descriptor: &PointShadowsDescriptor, reject: bool) -> Result<Self, Error> {
         validate(descriptor, &device.limits())?;
-        let PointShadowsDescriptor { capacity, resolution, tolerance, guard } = *descriptor;
+        gpu::check(device)?;
+        let PointShadowsDescriptor { capacity, resolution, tolerance, guard, keep_static } = *descriptor;
         let shape = MapShape::new(resolution, guard, tolerance);
-        let maps = create_maps(device, capacity, resolution);
-        let layers = (0..capacity).map(|layer| layer_view(&maps, layer)).collect();
+        let maps = Maps::new(device, capacity, resolution, keep_static);
         Ok(Self {
             shape,
             capacity,
             lights: Slots::new("light", "PointShadows"),
             removed: Vec::new(),
             seen: None,
-            lookup: Lookup::new(device, &maps),
+            lookup: Lookup::new(device, maps.live()),
             maps,
-            layers,
             route: Route::new(device, reject),
             split: Split::new(device, reject),
             depth: Depth::new(device, capacity),
@@ -167,7 +188,7 @@ impl PointShadows {
         if self.lights.count() == self.capacity {
             return Err(Error::CapacityExceeded { capacity: self.capacity });
         }
-        Ok(LightId(self.lights.insert(Light { light, stale: true })))
+        Ok(LightId(self.lights.insert(Light::new(light))))
     }
 
     /// Changes a light. Setting what it is already costs nothing.
@@ -176,11 +197,18 @@ impl PointShadows {
     /// [`Error::InvalidLight`] or [`Error::StaleHandle`]; the light stays as it was.
     pub fn set(&mut self, id: LightId, light: PointLight) -> Result<(), Error> {
         light.validate()?;
-        let entry = self.lights.get_mut(id.0)?;
-        if entry.light != light {
-            *entry = Light { light, stale: true };
-        }
+        self.lights.get_mut(id.0)?.set(light);
         Ok(())
+    }
+
+    /// How much sooner than others a light's map is made anew where [`RecordOptions::most`] doesn't allow all: twice the
+    /// priority is as good as having waited for twice as many recordings, so that even the least comes up. Finite, above
+    /// 0; 1 without being set. The light's share of the picture is a good one.
+    ///
+    /// # Errors
+    /// [`Error::InvalidLight`] or [`Error::StaleHandle`].
+    pub fn set_priority(&mut self, id: LightId, priority: f32) -> Result<(), Error> {
+        self.lights.get_mut(id.0)?.set_priority(priority)
     }
 
     /// Removes a light. From the next [`Self::record`] on its index lights nothing.
@@ -198,31 +226,48 @@ impl PointShadows {
     ///
     /// Its cost on the CPU doesn't depend on how many triangles or instances there are, only on the stale lights
     /// and on what has changed. Submit the encoder before the next call.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`].
     pub fn record(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         casters: &mut Casters,
-    ) -> u32 {
+    ) -> Result<u32, Error> {
+        self.record_with(device, queue, encoder, casters, RecordOptions::default())
+    }
+
+    /// [`Self::record`] with more to choose.
+    ///
+    /// # Errors
+    /// As [`Self::record`].
+    pub fn record_with(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        casters: &mut Casters,
+        options: RecordOptions,
+    ) -> Result<u32, Error> {
+        gpu::check(device)?;
         casters.update(device, queue, encoder);
         self.mark_touched(casters);
         self.read_demand();
+        let due = schedule::take(&mut self.lights, options.most);
         for layer in std::mem::take(&mut self.removed) {
-            self.lookup.write(queue, layer, None, &self.shape);
+            self.lookup.set(layer, None, &self.shape);
         }
-        let mut stale = Vec::new();
-        for (layer, entry) in self.lights.iter_mut() {
-            if std::mem::take(&mut entry.stale) {
-                self.lookup.write(queue, layer, Some(&entry.light), &self.shape);
-                stale.push((layer, entry.light));
-            }
+        for Due { layer, light, .. } in &due {
+            self.lookup.set(*layer, Some(light), &self.shape);
         }
-        if !stale.is_empty() {
-            self.record_lights(device, queue, encoder, casters, &stale);
+        self.lookup.write(queue);
+        if !due.is_empty() {
+            self.record_lights(device, queue, encoder, casters, &due);
             self.demand.record(encoder, &self.arguments, self.jobs);
         }
-        stale.len() as u32
+        Ok(due.len() as u32)
     }
 
     /// If pieces found no room in an earlier recording, sees to it that they do now.
@@ -230,7 +275,7 @@ impl PointShadows {
         let Some(wanted) = self.demand.take() else { return };
         self.wanted = self.wanted.max(wanted);
         if wanted > self.split.capacity() {
-            self.lights.iter_mut().for_each(|(_, entry)| entry.stale = true);
+            self.lights.iter_mut().for_each(|(_, entry)| entry.outdate());
         }
     }
 
@@ -243,10 +288,10 @@ impl PointShadows {
         }
         let remembered = seen.filter(|(owner, _)| *owner == now.0).map(|(_, count)| count);
         for (_, entry) in self.lights.iter_mut() {
-            let changes = remembered.and_then(|count| casters.changes_since(count));
-            let reach = |bounds| touches(&entry.light, bounds);
-            entry.stale = entry.stale
-                || changes.is_none_or(|mut all| all.any(|change| reach(&change.before) || reach(&change.after)));
+            match remembered.and_then(|count| casters.changes_since(count)) {
+                Some(changes) => entry.touch(changes, self.maps.keep_static()),
+                None => entry.outdate(),
+            }
         }
     }
 
@@ -256,22 +301,56 @@ impl PointShadows {
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         casters: &Casters,
-        stale: &[(u32, PointLight)],
+        due: &[Due],
     ) {
         let replaced = self.route.fit(device, casters) | self.split.fit(device, &self.shape, self.wanted);
-        let ranges = self.route.stretches(casters);
-        let jobs: Vec<Job> = stale
-            .iter()
-            .flat_map(|&(_, light)| ranges.iter().map(move |chunks| Job { light, chunks: chunks.clone(), kinds: !0 }))
-            .collect();
+        let (passes, jobs) = self.plan(casters, due);
         self.write_jobs(device, queue, &jobs);
         let key = (casters.owner(), casters.generation());
         if replaced || self.groups.as_ref().is_none_or(|groups| groups.key != key) {
             self.groups = Some(self.bind(device, casters, key));
         }
         let Some(groups) = &self.groups else { return };
-        let lights: Vec<PointLight> = stale.iter().map(|(_, light)| *light).collect();
+        let lights: Vec<PointLight> = due.iter().map(|due| due.light).collect();
         self.depth.write_views(queue, &lights, &self.shape);
+        for pass in &passes {
+            self.record_pass(encoder, casters, groups, pass, &jobs);
+        }
+    }
+
+    /// The passes that make the maps, and their jobs.
+    fn plan(&self, casters: &Casters, due: &[Due]) -> (Vec<Pass>, Vec<Job>) {
+        let stretches = self.route.stretches(casters);
+        let (mut passes, mut jobs) = (Vec::new(), Vec::new());
+        let mut add = |number, due: &Due, target, kinds, over_static| {
+            let Due { layer, light, .. } = *due;
+            let first = jobs.len() as u32;
+            if kinds != view::MOVING || casters.any_moving() {
+                jobs.extend(stretches.iter().map(|chunks| Job { light, chunks: chunks.clone(), kinds }));
+            }
+            passes.push(Pass { number, layer, light, target, over_static, jobs: first..jobs.len() as u32 });
+        };
+        for (number, due) in (0..).zip(due) {
+            if !self.maps.keep_static() {
+                add(number, due, Target::Live, view::STATIC | view::MOVING, false);
+                continue;
+            }
+            if due.stale == Stale::Everything {
+                add(number, due, Target::Static, view::STATIC, false);
+            }
+            add(number, due, Target::Live, view::MOVING, true);
+        }
+        (passes, jobs)
+    }
+
+    fn record_pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        casters: &Casters,
+        groups: &Groups,
+        pass: &Pass,
+        jobs: &[Job],
+    ) {
         let sources = Sources {
             vertices: casters.vertices.buffer(),
             lists: self.route.lists(),
@@ -279,28 +358,29 @@ impl PointShadows {
             arguments: &self.arguments,
             exact: &groups.exact,
         };
-        for (number, (layer, light)) in (0..).zip(stale) {
-            let target = &self.layers[*layer as usize];
-            let draw = |encoder: &mut _, job, clear| {
-                self.depth.record(encoder, target, &sources, &self.shape, light.coverage, number, job, clear);
-            };
-            if ranges.is_empty() {
-                draw(encoder, None, true);
+        let target = self.maps.layer(pass.target, pass.layer);
+        let draw = |encoder: &mut _, job, clear| {
+            self.depth.record(encoder, target, &sources, &self.shape, pass.light.coverage, pass.number, job, clear);
+        };
+        if pass.over_static && self.until >= Stage::Depth {
+            self.maps.copy_static(encoder, pass.layer);
+        }
+        if pass.jobs.is_empty() && !pass.over_static {
+            draw(encoder, None, true);
+        }
+        for job in pass.jobs.clone() {
+            let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("dual_paraboloid::route and split"),
+                timestamp_writes: None,
+            });
+            let chunks = &jobs[job as usize].chunks;
+            self.route.record(&mut compute, &groups.route, job, chunks.len() as u32);
+            if self.until >= Stage::Split {
+                self.split.record(&mut compute, &groups.split, job);
             }
-            for (part, chunks) in (0..).zip(&ranges) {
-                let job = number * ranges.len() as u32 + part;
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                    label: Some("dual_paraboloid::route and split"),
-                    timestamp_writes: None,
-                });
-                self.route.record(&mut pass, &groups.route, job, chunks.len() as u32);
-                if self.until >= Stage::Split {
-                    self.split.record(&mut pass, &groups.split, job);
-                }
-                drop(pass);
-                if self.until >= Stage::Depth {
-                    draw(encoder, Some(job), part == 0);
-                }
+            drop(compute);
+            if self.until >= Stage::Depth {
+                draw(encoder, Some(job), job == pass.jobs.start && !pass.over_static);
             }
         }
     }
@@ -354,7 +434,7 @@ impl PointShadows {
     /// the back one in its right. The depth is `near / w`, see [`paraboloid::depth`](crate::paraboloid::depth).
     #[must_use]
     pub fn maps(&self) -> &wgpu::Texture {
-        &self.maps
+        self.maps.live()
     }
 
     /// Half a map's width in map coordinates, `1 + g`: the unit disc and the guard band around it.
@@ -376,17 +456,14 @@ impl PointShadows {
         self.shape.depth_tolerance()
     }
 
-    /// Bytes on the GPU: the maps, and the lists that the lights share.
+    /// Bytes on the GPU: the maps, twice with [`keep_static`](PointShadowsDescriptor::keep_static), and what the lights
+    /// share, which is what the busiest one needs and 1.5 KiB for each.
     #[must_use]
     pub fn memory(&self) -> u64 {
-        let texels = u64::from(self.maps.width()) * u64::from(self.maps.height()) * u64::from(self.capacity);
-        4 * texels + self.route.lists().size() + self.split.pieces().size() + self.views.size() + self.arguments.size()
+        let own = self.views.size() + self.arguments.size();
+        let stages = self.route.memory() + self.split.memory() + self.depth.memory();
+        self.maps.memory() + own + stages + self.demand.memory() + self.lookup.memory()
     }
-}
-
-/// Whether a light's map may show something within the bounds.
-fn touches(light: &PointLight, bounds: &Option<crate::chunks::Bounds>) -> bool {
-    bounds.is_some_and(|bounds| bounds.touches_sphere(light.position, light.range * 1.0001))
 }
 
 fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Result<(), Error> {
@@ -394,7 +471,7 @@ fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Resul
         if ok { Ok(()) } else { Err(Error::InvalidDescriptor { what, value, remedy }) }
     };
     let (widest, layers) = (limits.max_texture_dimension_2d, limits.max_texture_array_layers);
-    let PointShadowsDescriptor { capacity, resolution, tolerance, guard } = *descriptor;
+    let PointShadowsDescriptor { capacity, resolution, tolerance, guard, .. } = *descriptor;
     let room = format!("it must be 1 to {layers}, the device's limit of texture layers");
     check((1..=layers).contains(&capacity), "capacity", capacity.to_string(), room)?;
     let room = format!("it must be 1 to {}, half the width of the device's largest texture", widest / 2);
@@ -403,31 +480,6 @@ fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Resul
     check((0.01..=1.0).contains(&tolerance), "tolerance", tolerance.to_string(), room)?;
     let room = "it must be 1 to 16 texels".to_owned();
     check((1.0..=16.0).contains(&guard), "guard", guard.to_string(), room)
-}
-
-fn create_maps(device: &wgpu::Device, capacity: u32, resolution: u32) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("dual_paraboloid::maps"),
-        size: wgpu::Extent3d { width: 2 * resolution, height: resolution, depth_or_array_layers: capacity },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Depth32Float,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
-}
-
-fn layer_view(maps: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
-    maps.create_view(&wgpu::TextureViewDescriptor {
-        label: Some("dual_paraboloid::depth::layer"),
-        dimension: Some(wgpu::TextureViewDimension::D2),
-        base_array_layer: layer,
-        array_layer_count: Some(1),
-        ..Default::default()
-    })
 }
 
 fn job_buffer(device: &wgpu::Device, what: &str, jobs: u32, usage: wgpu::BufferUsages) -> wgpu::Buffer {

@@ -1,10 +1,16 @@
 //! The transform stage: moved instances' vertices and bounds, on the GPU (`shaders/transform.wgsl`).
 
 use crate::gpu;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 /// Workgroups of one dispatch; each takes several chunks when there are more.
 const MOST_GROUPS: u32 = 16_384;
+
+/// What is transformed: each chunk with its transform's place, and the transforms, three rows each.
+#[derive(Debug, Default)]
+pub(crate) struct Moved {
+    pub(crate) chunks: Vec<[u32; 2]>,
+    pub(crate) transforms: Vec<[[f32; 4]; 3]>,
+}
 
 #[derive(Debug)]
 pub(crate) struct Transform {
@@ -23,27 +29,29 @@ impl Transform {
         Self { pipeline }
     }
 
-    /// Transforms the chunks `jobs`. The buffers are, in order: mesh vertices, vertices, chunks, chunk bounds,
-    /// transforms.
+    /// Transforms what has moved. The buffers are, in order: mesh vertices, vertices, chunks, chunk bounds.
     pub(crate) fn record(
         &self,
         device: &wgpu::Device,
+        queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
-        buffers: [&wgpu::Buffer; 5],
-        jobs: &[u32],
+        buffers: [&wgpu::Buffer; 4],
+        moved: &Moved,
     ) {
-        let count = [jobs.len() as u32];
-        let list = device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("dual_paraboloid::transform::jobs"),
-            contents: bytemuck::cast_slice(&[&count, jobs].concat()),
-            usage: wgpu::BufferUsages::STORAGE,
-        });
-        let [a, b, c, d, e] = buffers;
+        let upload = |what, bytes: &[u8]| {
+            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+            let buffer = gpu::buffer(device, what, bytes.len() as u64, usage);
+            queue.write_buffer(&buffer, 0, bytes);
+            buffer
+        };
+        let transforms = upload("transform::transforms", bytemuck::cast_slice(&moved.transforms));
+        let jobs = upload("transform::jobs", bytemuck::cast_slice(&moved.chunks));
+        let [a, b, c, d] = buffers;
         let bind_group = gpu::bind_group(
             device,
             "transform",
             &self.pipeline.get_bind_group_layout(0),
-            &[a, b, c, d, e, &list].map(wgpu::Buffer::as_entire_binding),
+            &[a, b, c, d, &transforms, &jobs].map(wgpu::Buffer::as_entire_binding),
         );
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("dual_paraboloid::transform"),
@@ -51,6 +59,6 @@ impl Transform {
         });
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &bind_group, &[]);
-        pass.dispatch_workgroups(count[0].min(MOST_GROUPS), 1, 1);
+        pass.dispatch_workgroups((moved.chunks.len() as u32).min(MOST_GROUPS), 1, 1);
     }
 }

@@ -96,6 +96,11 @@ pub(crate) struct Capacities {
     pub(crate) pieces: u32,
 }
 
+/// Bits of [`Job::kinds`]: bit 0 of a chunk's kind says that its instance is marked as moving.
+pub(crate) const STATIC: u32 = 0b0101;
+/// The others.
+pub(crate) const MOVING: u32 = 0b1010;
+
 /// What one run of the stages goes through for a light.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Job {

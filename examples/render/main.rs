@@ -130,13 +130,11 @@ fn make_maps(
 ) -> anyhow::Result<()> {
     let mut record = |shadows: &mut PointShadows| {
         let start = Instant::now();
-        gpu.submit(|encoder| {
-            shadows.record(&gpu.device, &gpu.queue, encoder, casters);
-        });
+        gpu.submit(|encoder| shadows.record(&gpu.device, &gpu.queue, encoder, casters))?;
         gpu.wait();
-        start.elapsed()
+        anyhow::Ok(start.elapsed())
     };
-    let first = record(shadows);
+    let first = record(shadows)?;
     let started = Instant::now();
     let mut again = Vec::new();
     // An even number of times: every other time the lights are as they should be.
@@ -146,7 +144,7 @@ fn make_maps(
             let near = if again.len() % 2 == 0 { 1.000_001 } else { 1.0 };
             shadows.set(*id, PointLight { near: light.shadow.near * near, ..light.shadow })?;
         }
-        again.push(record(shadows));
+        again.push(record(shadows)?);
     }
     again.sort();
     println!(

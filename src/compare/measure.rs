@@ -122,9 +122,7 @@ impl Made {
         fill(&mut casters, scene, Sides::Auto)?;
         let mut shadows = PointShadows::new(&gpu.device, descriptor)?;
         let light = shadows.add(light)?;
-        gpu.submit(|encoder| {
-            shadows.record(&gpu.device, &gpu.queue, encoder, &mut casters);
-        });
+        gpu.submit(|encoder| shadows.record(&gpu.device, &gpu.queue, encoder, &mut casters))?;
         Ok(Self { casters, shadows, light })
     }
 

@@ -3,6 +3,7 @@
 
 mod analytic;
 mod axis;
+mod caching;
 mod common;
 mod degenerate;
 mod hard_cases;

@@ -77,9 +77,7 @@ fn lights() {
     }
     assert_eq!(shadows.add(good), Err(Error::CapacityExceeded { capacity: 1 }));
     let mut count = |shadows: &mut PointShadows| {
-        let mut count = 0;
-        gpu().submit(|encoder| count = shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters));
-        count
+        gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters)).unwrap()
     };
     assert_eq!(count(&mut shadows), 0, "refused values made the light stale");
     shadows.set(id, good).unwrap();
