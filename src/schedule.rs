@@ -108,3 +108,70 @@ pub(crate) fn take(lights: &mut Slots<Light>, most: Option<u32>) -> Vec<Due> {
     });
     due.collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lights of these priorities, all with maps.
+    fn lights(priorities: &[f32]) -> Slots<Light> {
+        let mut lights = Slots::new("light", "PointShadows");
+        for &priority in priorities {
+            let mut light = Light::new(PointLight::default());
+            light.set_priority(priority).unwrap();
+            lights.insert(light);
+        }
+        assert_eq!(take(&mut lights, None).len(), priorities.len());
+        lights
+    }
+
+    fn outdate(lights: &mut Slots<Light>) {
+        lights.iter_mut().for_each(|(_, light)| light.outdate());
+    }
+
+    fn layers(due: &[Due]) -> Vec<u32> {
+        due.iter().map(|due| due.layer).collect()
+    }
+
+    #[test]
+    fn none_waits_for_ever() {
+        let priorities: Vec<f32> = (0..16).map(|k| if k == 7 { 0.01 } else { 1.0 + k as f32 }).collect();
+        let mut lights = lights(&priorities);
+        let mut made = [0u32; 16];
+        for _ in 0..20_000 {
+            outdate(&mut lights);
+            let due = take(&mut lights, Some(3));
+            assert_eq!(due.len(), 3);
+            due.iter().for_each(|due| made[due.layer as usize] += 1);
+        }
+        assert!((3..9).contains(&made[7]), "{made:?}");
+        // All others nearly in proportion.
+        let rates: Vec<f32> = (0..16).filter(|k| *k != 7).map(|k| made[k] as f32 / priorities[k]).collect();
+        let (least, most) = rates.iter().fold((f32::MAX, 0.0f32), |(a, b), r| (a.min(*r), b.max(*r)));
+        assert!(most < 1.4 * least, "{made:?}");
+    }
+
+    #[test]
+    fn new_ones_first_then_the_longest_waiting_by_priority() {
+        let mut lights = lights(&[1.0, 5.0, 2.0]);
+        outdate(&mut lights);
+        let new = lights.insert(Light::new(PointLight::default())).slot;
+        assert!(take(&mut lights, Some(0)).is_empty());
+        assert_eq!(layers(&take(&mut lights, Some(2))), [new, 1]);
+        outdate(&mut lights);
+        // Three recordings at priorities 1 and 2, and the first at 5 and 1.
+        assert_eq!(layers(&take(&mut lights, Some(3))), [2, 1, 0]);
+        assert_eq!(layers(&take(&mut lights, None)), [new]);
+        assert!(take(&mut lights, None).is_empty());
+    }
+
+    #[test]
+    fn priorities_are_finite_and_above_0() {
+        let mut light = Light::new(PointLight::default());
+        for wrong in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            let error = light.set_priority(wrong).unwrap_err();
+            assert!(matches!(error, Error::InvalidLight { what: "priority", .. }), "{error}");
+        }
+        assert_eq!(light.priority, 1.0);
+    }
+}

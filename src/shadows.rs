@@ -202,8 +202,9 @@ impl PointShadows {
     }
 
     /// How much sooner than others a light's map is made anew where [`RecordOptions::most`] doesn't allow all: twice the
-    /// priority is as good as having waited for twice as many recordings, so that even the least comes up. Finite, above
-    /// 0; 1 without being set. The light's share of the picture is a good one.
+    /// priority is as good as having waited for twice as many recordings. While all maps are stale all the time, a light
+    /// waits for about as many recordings as the sum of all priorities over its own and over the limit: long for the least,
+    /// but not for ever. Finite, above 0; 1 without being set. The light's share of the picture is a good one.
     ///
     /// # Errors
     /// [`Error::InvalidLight`] or [`Error::StaleHandle`].

@@ -1,6 +1,6 @@
 //! What is kept from one recording to the next is what would be made anew, bit for bit.
 
-use crate::common::{box_inside, gpu};
+use crate::common::{box_inside, gpu, soup};
 use dual_paraboloid::{
     CasterMesh, Casters, Coverage, Indices, InstanceId, LightId, MeshId, PointLight, PointShadows,
     PointShadowsDescriptor, RecordOptions, Sides,
@@ -267,4 +267,30 @@ fn kept_maps_are_fresh_ones_after_any_steps() {
     });
     result.unwrap_or_else(|failure| panic!("{failure}"));
     assert!(world.borrow().checked > 600);
+}
+
+#[test]
+fn what_has_to_wait_stays_as_it_is() {
+    let wall = [[Vec3::new(-4.0, -4.0, 1.0), Vec3::new(4.0, -4.0, 1.0), Vec3::new(0.0, 6.0, 1.0)]];
+    let mut casters = soup(&wall, Sides::Both);
+    let before = PointLight::default();
+    let behind = PointLight { position: Vec3::new(0.0, 0.0, 3.0), ..before };
+    let mut shadows = shadows(true);
+    // In front of the wall and facing back, behind it and facing on.
+    let receivers = [(Vec3::new(0.1, 0.2, 0.5), Vec3::NEG_Z), (Vec3::new(0.1, 0.2, 2.0), Vec3::Z)];
+    let arrives = |shadows: &PointShadows, light| gpu().shadow_values(shadows, light, &receivers);
+    let old = shadows.add(before).unwrap();
+    assert_eq!(record(&mut shadows, &mut casters, Some(1)), 1);
+    let of_before = arrives(&shadows, old);
+    assert_eq!(of_before, [1.0, 0.0]);
+    shadows.set(old, behind).unwrap();
+    let new = shadows.add(behind).unwrap();
+    assert_eq!(record(&mut shadows, &mut casters, Some(0)), 0);
+    assert_eq!(arrives(&shadows, old), of_before, "a light is looked up by another one's map");
+    assert_eq!(arrives(&shadows, new), [0.0, 0.0], "a light without a map isn't dark");
+    assert_eq!(record(&mut shadows, &mut casters, Some(1)), 1);
+    assert_eq!(arrives(&shadows, new), [0.0, 1.0], "the new one doesn't go first");
+    assert_eq!(arrives(&shadows, old), of_before);
+    assert_eq!(record(&mut shadows, &mut casters, Some(1)), 1);
+    assert_eq!(arrives(&shadows, old), [0.0, 1.0]);
 }

@@ -8,6 +8,7 @@ mod common;
 mod degenerate;
 mod hard_cases;
 mod mapping;
+mod memory;
 mod misuse;
 mod routing;
 mod seam;
