@@ -6,6 +6,7 @@ mod axis;
 mod caching;
 mod common;
 mod degenerate;
+mod device_loss;
 mod hard_cases;
 mod mapping;
 mod memory;
