@@ -293,6 +293,19 @@ impl Casters {
         Ok(())
     }
 
+    /// Says that casters that the caller draws, see [`CasterPass`](crate::CasterPass), have changed somewhere within a box
+    /// of world space, so that the lights that reach it are made anew. They count as moving ones. The box may be infinite.
+    ///
+    /// # Errors
+    /// [`Error::InvalidBox`] unless `min` is at most `max` on every axis.
+    pub fn touch(&mut self, min: Vec3, max: Vec3) -> Result<(), Error> {
+        if !min.cmple(max).all() {
+            return Err(Error::InvalidBox { min: min.to_array(), max: max.to_array() });
+        }
+        self.note(Change { before: None, after: Some(Bounds { min, max }), moving: true });
+        Ok(())
+    }
+
     /// Whether any instance is marked as moving.
     pub(crate) fn any_moving(&self) -> bool {
         self.moving_instances > 0

@@ -66,6 +66,7 @@ mod chunks;
 #[cfg(feature = "compare")]
 pub mod compare;
 mod cone;
+mod custom;
 mod demand;
 mod depth;
 mod error;
@@ -85,6 +86,7 @@ mod view;
 pub mod wgsl;
 
 pub use casters::{CasterMesh, Casters, Indices, InstanceId, MeshId, Sides};
+pub use custom::CasterPass;
 pub use error::Error;
 pub use light::{Coverage, PointLight};
 #[cfg(feature = "compare")]

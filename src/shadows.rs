@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::casters::Casters;
+use crate::custom::CasterPass;
 use crate::demand::Demand;
 use crate::depth::{Depth, Sources};
 use crate::gpu;
@@ -97,12 +98,15 @@ pub enum Stage {
 }
 
 /// What [`PointShadows::record_with`] may do beside what [`PointShadows::record`] does.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct RecordOptions {
+#[derive(Default)]
+pub struct RecordOptions<'a> {
     /// Maps that are made anew at most. What is left out stays as it is, old light and all, and goes first another time:
     /// by [priority](PointShadows::set_priority) times the recordings it has waited for. Lights without any map, which
     /// until then light nothing, go before all others. No limit without a number.
     pub most: Option<u32>,
+    /// Draws casters of the caller's own over each map that is made anew, see [`CasterPass`]. To be given at every recording:
+    /// a map that is made without it lacks them. [`Casters::touch`] says that they have changed.
+    pub draw: Option<&'a mut dyn FnMut(&mut CasterPass)>,
 }
 
 /// A map that is drawn in one go, or as many as there are stretches of chunks.
@@ -256,7 +260,8 @@ impl PointShadows {
         casters.update(device, queue, encoder);
         self.mark_touched(casters);
         self.read_demand();
-        let due = schedule::take(&mut self.lights, options.most);
+        let RecordOptions { most, draw } = options;
+        let due = schedule::take(&mut self.lights, most);
         for layer in std::mem::take(&mut self.removed) {
             self.lookup.set(layer, None, &self.shape);
         }
@@ -265,7 +270,7 @@ impl PointShadows {
         }
         self.lookup.write(queue);
         if !due.is_empty() {
-            self.record_lights(device, queue, encoder, casters, &due);
+            self.record_lights(device, queue, encoder, casters, &due, draw);
             self.demand.record(encoder, &self.arguments, self.jobs);
         }
         Ok(due.len() as u32)
@@ -303,6 +308,7 @@ impl PointShadows {
         encoder: &mut wgpu::CommandEncoder,
         casters: &Casters,
         due: &[Due],
+        mut draw: Option<&mut dyn FnMut(&mut CasterPass)>,
     ) {
         let replaced = self.route.fit(device, casters) | self.split.fit(device, &self.shape, self.wanted);
         let (passes, jobs) = self.plan(casters, due);
@@ -316,6 +322,10 @@ impl PointShadows {
         self.depth.write_views(queue, &lights, &self.shape);
         for pass in &passes {
             self.record_pass(encoder, casters, groups, pass, &jobs);
+            if let (Target::Live, Stage::Depth, Some(draw)) = (pass.target, self.until, draw.as_deref_mut()) {
+                let target = self.maps.layer(pass.target, pass.layer);
+                self.depth.record_custom(encoder, target, &self.shape, &pass.light, pass.number, draw);
+            }
         }
     }
 
@@ -423,6 +433,20 @@ impl PointShadows {
     #[must_use]
     pub fn bind_group_layout(&self) -> &wgpu::BindGroupLayout {
         self.lookup.layout()
+    }
+
+    /// Layout of the group that the text of [`wgsl::caster`](crate::wgsl::caster) reads, for the pipelines of
+    /// [casters that the caller draws](CasterPass).
+    #[must_use]
+    pub fn caster_bind_group_layout(&self) -> &wgpu::BindGroupLayout {
+        self.depth.layout()
+    }
+
+    /// The longest edge, as the angle in radians that it spans at the light, that [casters that the caller
+    /// draws](CasterPass) may have and be as exact as all others: 1.2 degrees at 1024 texels and a tolerance of a tenth.
+    #[must_use]
+    pub fn caster_angle_limit(&self) -> f32 {
+        self.shape.angle_limit()
     }
 
     /// What the text of [`wgsl::lookup`](crate::wgsl::lookup) reads. Stays the same object for ever.

@@ -44,6 +44,14 @@ impl MapShape {
         0.5 * self.tolerance
     }
 
+    /// The angle in radians that edges may span which are drawn without being looked at: then they bend by no more than
+    /// those of triangles that the route draws whole.
+    pub(crate) fn angle_limit(&self) -> f32 {
+        // An edge that touches the map ends this far out at most, where an angle takes up more of the map than at the rim.
+        let r = self.half_width + paraboloid::LONGEST_EDGE;
+        paraboloid::angle_limit(self.texels(), 0.375 * self.tolerance) / (0.5 + 0.5 * r * r)
+    }
+
     /// Cosine of the angle behind which nothing can touch the map: a texel and a half outside, so that chords of
     /// what is drawn don't open the rim.
     fn behind(&self) -> f32 {

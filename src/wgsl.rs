@@ -6,6 +6,7 @@ const VIEW: &str = include_str!("../shaders/view.wgsl");
 const TRANSFORM: &str = include_str!("../shaders/transform.wgsl");
 const ROUTE: &str = include_str!("../shaders/route.wgsl");
 const SPLIT: &str = include_str!("../shaders/split.wgsl");
+const HEMISPHERE: &str = include_str!("../shaders/hemisphere.wgsl");
 const DEPTH: &str = include_str!("../shaders/depth.wgsl");
 const EXACT: &str = include_str!("../shaders/exact.wgsl");
 const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
@@ -16,6 +17,15 @@ const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
 #[must_use]
 pub fn lookup(group: u32) -> String {
     [PARABOLOID, &LOOKUP.replace("DP_GROUP", &group.to_string())].concat()
+}
+
+/// WGSL to put before or after a vertex shader that draws casters of its own, for
+/// `dp_caster_position(world_position) -> vec4<f32>`: the clip position in the hemisphere that is being drawn. `group` is
+/// the number for [`CasterPass::bind`](crate::CasterPass::bind). Everything it declares begins with `dp_` or `Dp`, and it
+/// declares no other binding.
+#[must_use]
+pub fn caster(group: u32) -> String {
+    [PARABOLOID, &HEMISPHERE.replace("DP_GROUP", &group.to_string())].concat()
 }
 
 /// WGSL of the mapping alone: the functions of [`paraboloid`](crate::paraboloid) with the prefix `dp_`.
@@ -37,7 +47,7 @@ pub(crate) fn split() -> String {
 }
 
 pub(crate) fn depth() -> String {
-    [PARABOLOID, DEPTH].concat()
+    [&caster(0), DEPTH].concat()
 }
 
 pub(crate) fn exact() -> String {
@@ -53,6 +63,7 @@ pub fn modules() -> Vec<(&'static str, String)> {
         ("route", route()),
         ("split", split()),
         ("depth", depth()),
+        ("caster", caster(0)),
         ("exact", exact()),
         ("lookup", lookup(0)),
     ]

@@ -89,7 +89,7 @@ fn shadows(keep_static: bool) -> PointShadows {
 
 fn record(shadows: &mut PointShadows, casters: &mut Casters, most: Option<u32>) -> u32 {
     let made = gpu().submit(|encoder| {
-        let options = RecordOptions { most };
+        let options = RecordOptions { most, draw: None };
         shadows.record_with(&gpu().device, &gpu().queue, encoder, casters, options)
     });
     gpu().wait();

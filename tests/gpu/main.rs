@@ -5,6 +5,7 @@ mod analytic;
 mod axis;
 mod caching;
 mod common;
+mod custom;
 mod degenerate;
 mod device_loss;
 mod hard_cases;
