@@ -9,6 +9,7 @@ mod model;
 
 use anyhow::{anyhow, ensure};
 use arguments::Arguments;
+use camera::Light;
 use clap::Parser;
 use dual_paraboloid::compare::gpu::{Gpu, Statistics};
 use dual_paraboloid::compare::procedural::{hall, hall_camera, shapes};
@@ -16,7 +17,6 @@ use dual_paraboloid::compare::scene::{Camera, Material, Scene, SceneInstance, Sc
 use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::{Casters, LightId, PointLight, PointShadows, PointShadowsDescriptor, Sides};
 use glam::{Affine3A, Quat, Vec3};
-use lighting::Light;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
