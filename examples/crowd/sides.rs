@@ -88,10 +88,10 @@ impl BothSides {
         [self.casters.memory(), self.shadows[0].memory(), self.shadows[1].memory()]
     }
 
-    /// Moves what walks to where the plaza has it, for one way.
+    /// Moves what walks to where the plaza has it, for one way. Where nothing is to be stale, sees to it that nothing is.
     pub fn move_for(&mut self, gpu: &Gpu, plaza: &Plaza, way: Way) -> anyhow::Result<()> {
         match way {
-            Way::Still => {}
+            Way::Still => gpu.submit(|encoder| self.record(gpu, plaza, encoder, Way::All))?,
             Way::Cube => {
                 let transforms: Vec<_> = plaza.scene.instances.iter().map(|instance| instance.transform).collect();
                 self.buffers.set_transforms(&gpu.queue, &transforms);
