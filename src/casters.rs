@@ -10,7 +10,7 @@ use crate::cone::Cone;
 use crate::ranges::Ranges;
 use crate::slots::{Handle, Slots};
 use crate::transform::{Moved, Transform};
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use std::collections::VecDeque;
 
 /// A list of triangles' corners.
@@ -115,13 +115,29 @@ pub(crate) struct ChunkSource {
 /// Bit of a chunk's kind, by which jobs leave chunks out: its instance is marked as moving.
 const KIND_MOVING: u32 = 1;
 
-/// What moved, came or went: the bounds before and after, whichever there were.
+/// What moved, came or went.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Change {
-    pub(crate) before: Option<Bounds>,
-    pub(crate) after: Option<Bounds>,
+    /// Bounds before and after, empty where there was nothing.
+    before: Bounds,
+    after: Bounds,
+    /// Around both.
+    around: Bounds,
     /// Of a caster that is marked as moving.
     pub(crate) moving: bool,
+}
+
+impl Change {
+    fn new(before: Bounds, after: Bounds, moving: bool) -> Self {
+        Self { before, after, around: before.union(after), moving }
+    }
+
+    /// Whether it may be seen within `radius` of `centre`.
+    pub(crate) fn touches_sphere(&self, centre: Vec3, radius: f32) -> bool {
+        // What moves goes a little way in a frame, so that one test does for most.
+        self.around.touches_sphere(centre, radius)
+            && (self.before.touches_sphere(centre, radius) || self.after.touches_sphere(centre, radius))
+    }
 }
 
 /// Changes remembered for lights that haven't seen them yet; past that, every light counts as touched.
@@ -266,7 +282,7 @@ impl Casters {
         let handle = self.instances.insert(instance);
         self.write_chunk_sources(handle)?;
         self.moved.push(handle);
-        self.note(Change { before: None, after: Some(bounds), moving: false });
+        self.note(Change::new(Bounds::EMPTY, bounds, false));
         Ok(InstanceId(handle))
     }
 
@@ -282,14 +298,14 @@ impl Casters {
         if std::mem::replace(&mut instance.moving, moving) == moving {
             return Ok(());
         }
-        let bounds = Some(instance.bounds);
+        let bounds = instance.bounds;
         if moving {
             self.moving_instances += 1;
         } else {
             self.moving_instances -= 1;
         }
         self.write_chunk_sources(id.0)?;
-        self.note(Change { before: bounds, after: bounds, moving: false });
+        self.note(Change::new(bounds, bounds, false));
         Ok(())
     }
 
@@ -302,7 +318,7 @@ impl Casters {
         if !min.cmple(max).all() {
             return Err(Error::InvalidBox { min: min.to_array(), max: max.to_array() });
         }
-        self.note(Change { before: None, after: Some(Bounds { min, max }), moving: true });
+        self.note(Change::new(Bounds::EMPTY, Bounds { min, max }, true));
         Ok(())
     }
 
@@ -334,7 +350,7 @@ impl Casters {
         if !std::mem::replace(&mut instance.moved, true) {
             self.moved.push(id.0);
         }
-        self.note(Change { before: Some(before), after: Some(bounds), moving });
+        self.note(Change::new(before, bounds, moving));
         Ok(())
     }
 
@@ -355,7 +371,7 @@ impl Casters {
         let none: ChunkSource = bytemuck::Zeroable::zeroed();
         self.chunk_sources.write(first_chunk, bytemuck::cast_slice(&vec![none; chunk_count as usize]));
         self.instances.remove(id.0)?;
-        self.note(Change { before: Some(bounds), after: None, moving });
+        self.note(Change::new(bounds, Bounds::EMPTY, moving));
         Ok(())
     }
 
@@ -375,7 +391,7 @@ impl Casters {
     /// The changes after the first `seen`, or `None` if they aren't remembered any more.
     pub(crate) fn changes_since(&self, seen: u64) -> Option<impl Iterator<Item = &Change>> {
         let skip = seen.checked_sub(self.first_change)?;
-        Some(self.changes.iter().skip(usize::try_from(skip).ok()?))
+        Some(self.changes.range(usize::try_from(skip).ok()?..))
     }
 
     /// Identifies this store among all.
@@ -484,16 +500,20 @@ fn transformed(bounds: &Bounds, transform: &Affine3A) -> Result<Bounds, Error> {
     if bounds.min.x > bounds.max.x {
         return Ok(*bounds);
     }
-    let mut result = Bounds::EMPTY;
-    for corner in 0..8 {
-        let pick = |axis: usize| {
-            if corner >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] }
-        };
-        result.extend(transform.transform_point3(Vec3::new(pick(0), pick(1), pick(2))));
-    }
-    if !(result.min.is_finite() && result.max.is_finite()) {
-        return Err(error());
-    }
-    let slack = result.min.abs().max(result.max.abs()) * 1e-5;
-    Ok(Bounds { min: result.min - slack, max: result.max + slack })
+    let (matrix, size) = (
+        transform.matrix3,
+        Mat3A::from_cols(
+            transform.matrix3.x_axis.abs(),
+            transform.matrix3.y_axis.abs(),
+            transform.matrix3.z_axis.abs(),
+        ),
+    );
+    let half = Vec3A::from(0.5 * bounds.max - 0.5 * bounds.min);
+    let middle = Vec3A::from(0.5 * bounds.max + 0.5 * bounds.min);
+    let centre = matrix * middle + transform.translation;
+    // Rounding is in proportion to what is summed, which may cancel in the sum.
+    let slack = 1e-5 * (size * (middle.abs() + half) + transform.translation.abs());
+    let reach = size * half + slack;
+    let result = Bounds { min: (centre - reach).into(), max: (centre + reach).into() };
+    if result.min.is_finite() && result.max.is_finite() { Ok(result) } else { Err(error()) }
 }

@@ -62,23 +62,15 @@ impl Light {
         self.stale = Stale::Everything;
     }
 
-    /// Notes what changes of the casters do to the map; those of moving ones count apart only where static ones are kept.
-    pub(crate) fn touch<'a>(&mut self, changes: impl Iterator<Item = &'a Change>, keep_static: bool) {
-        for change in changes {
-            if self.stale == Stale::Everything {
-                return;
-            }
-            let stale = if keep_static && change.moving { Stale::Moving } else { Stale::Everything };
-            if stale > self.stale && self.is_reached_by(change) {
-                self.stale = stale;
-            }
-        }
-    }
-
-    /// Whether the map may show something within the bounds.
-    fn is_reached_by(&self, change: &Change) -> bool {
+    /// Notes what a change of the casters does to the map; one of a moving caster counts apart only where static ones are
+    /// kept. Returns whether another change may make the map staler.
+    pub(crate) fn touch(&mut self, change: &Change, keep_static: bool) -> bool {
         let PointLight { position, range, .. } = self.light;
-        [change.before, change.after].iter().flatten().any(|bounds| bounds.touches_sphere(position, range * 1.0001))
+        let stale = if keep_static && change.moving { Stale::Moving } else { Stale::Everything };
+        if stale > self.stale && change.touches_sphere(position, range * 1.0001) {
+            self.stale = stale;
+        }
+        self.stale < Stale::Everything
     }
 
     /// What goes first: maps that were never made, then those that have waited the longest, by priority.

@@ -183,7 +183,8 @@ impl PointShadows {
         self.until = stage;
     }
 
-    /// Adds a light; its map is made at the next [`Self::record`], and until then it has the place's old one.
+    /// Adds a light; its map is made at the next [`Self::record`], and until then it has what its place last had. Where a
+    /// [limit](RecordOptions::most) puts it off, it lights nothing in the meantime.
     ///
     /// # Errors
     /// [`Error::InvalidLight`], or [`Error::CapacityExceeded`].
@@ -293,11 +294,17 @@ impl PointShadows {
             return;
         }
         let remembered = seen.filter(|(owner, _)| *owner == now.0).map(|(_, count)| count);
-        for (_, entry) in self.lights.iter_mut() {
-            match remembered.and_then(|count| casters.changes_since(count)) {
-                Some(changes) => entry.touch(changes, self.maps.keep_static()),
-                None => entry.outdate(),
+        let Some(changes) = remembered.and_then(|count| casters.changes_since(count)) else {
+            self.lights.iter_mut().for_each(|(_, entry)| entry.outdate());
+            return;
+        };
+        // There may be many times more changes than lights: they are gone through once.
+        let mut open: Vec<&mut Light> = self.lights.iter_mut().map(|(_, entry)| entry).collect();
+        for change in changes {
+            if open.is_empty() {
+                break;
             }
+            open.retain_mut(|entry| entry.touch(change, self.maps.keep_static()));
         }
     }
 
