@@ -489,7 +489,7 @@ impl PointShadows {
     }
 
     /// Bytes on the GPU: the maps, twice with [`keep_static`](PointShadowsDescriptor::keep_static), and what the lights
-    /// share, which is what the busiest one needs and 1.5 KiB for each.
+    /// share: what the busiest one needs, and a few KiB for each.
     #[must_use]
     pub fn memory(&self) -> u64 {
         let own = self.views.size() + self.arguments.size();
