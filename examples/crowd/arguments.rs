@@ -16,6 +16,9 @@ pub struct Arguments {
     /// How many of them walk; all, if not given
     #[arg(long, value_name = "N")]
     pub walking: Option<u32>,
+    /// How far a lamp reaches, in metres; the next one is 8 away
+    #[arg(long, value_name = "M", default_value_t = 12.0)]
+    pub range: f32,
     /// Frames to measure
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = value_parser!(u32).range(1..))]
     pub frames: u32,

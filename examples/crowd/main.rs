@@ -45,12 +45,13 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let features = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
     let gpu = Gpu::new(features)?;
     let walking = arguments.walking.unwrap_or(arguments.instances).min(arguments.instances);
-    let mut plaza = Plaza::new(arguments.lights, arguments.instances, walking);
+    let mut plaza = Plaza::new(arguments.lights, arguments.range, arguments.instances, walking);
     let mut sides = BothSides::new(&gpu, &plaza, arguments.resolution)?;
     println!("adapter      {}", gpu.name());
     println!(
-        "plaza        {} lights, {} figures, of which {walking} walk, {} triangles, R = {}",
+        "plaza        {} lights that reach {} m, {} figures, of which {walking} walk, {} triangles, R = {}",
         arguments.lights,
+        arguments.range,
         arguments.instances,
         sides.triangles(),
         arguments.resolution

@@ -11,8 +11,6 @@ use std::f64::consts::PI;
 
 /// Metres between neighbouring lamps.
 const SPACING: f32 = 8.0;
-/// How far a lamp reaches: past its neighbours.
-const RANGE: f32 = 12.0;
 const LAMP_HEIGHT: f32 = 4.5;
 /// Square metres a figure has at least; with many of them the plaza is larger than its lamps reach.
 const ROOM: f32 = 2.0;
@@ -38,8 +36,8 @@ pub struct Plaza {
 }
 
 impl Plaza {
-    /// The first `walking` of the `figures` walk.
-    pub fn new(lights: u32, figures: u32, walking: u32) -> Self {
+    /// With lights that reach `range` metres; the first `walking` of the `figures` walk.
+    pub fn new(lights: u32, range: f32, figures: u32, walking: u32) -> Self {
         let side = f64::from(lights).sqrt().ceil() as u32;
         let half_width = (0.5 * SPACING * side as f32).max(0.5 * (ROOM * figures as f32).sqrt());
         let mut scene = Scene { name: "plaza".to_owned(), ..Scene::default() };
@@ -54,7 +52,7 @@ impl Plaza {
         let mesh = scene.meshes.len() - 1;
         let posts = (1..lights).map(|k| Affine3A::from_translation(at(k, 0.0) + Vec3::X));
         scene.instances.extend(posts.map(|transform| SceneInstance { mesh, transform }));
-        let light = |k| PointLight { position: at(k, LAMP_HEIGHT), range: RANGE, ..Default::default() };
+        let light = |k| PointLight { position: at(k, LAMP_HEIGHT), range, ..Default::default() };
         let lights = (0..lights).map(light).collect();
         let first = scene.instances.len();
         let mut plaza = Self { scene, lights, walks: Vec::new(), first, half_width };
