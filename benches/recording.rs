@@ -9,7 +9,9 @@ use dual_paraboloid::compare::fill;
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::procedural::shapes;
 use dual_paraboloid::compare::scene::{Scene, SceneInstance};
-use dual_paraboloid::{Casters, LightId, PointLight, PointShadows, PointShadowsDescriptor, Sides};
+use dual_paraboloid::{
+    Casters, InstanceId, LightId, PointLight, PointShadows, PointShadowsDescriptor, RecordOptions, Sides,
+};
 use glam::{Affine3A, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -24,14 +26,18 @@ const ROOM: f32 = 50.0;
 enum Timed {
     Record,
     RecordAndFinish,
+    /// With no map made.
+    RecordCasters,
 }
 
 /// A renderer's frames.
 struct Frames {
     gpu: Gpu,
     casters: Casters,
+    instances: Vec<(InstanceId, Vec3)>,
     shadows: PointShadows,
     lights: Vec<(LightId, PointLight)>,
+    random: Pcg64,
 }
 
 impl Frames {
@@ -40,14 +46,17 @@ impl Frames {
         let gpu = Gpu::new(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}"));
         let mut random = Pcg64::seed_from_u64(1);
         let mut casters = Casters::new(&gpu.device);
-        fill(&mut casters, &gpu, &tetrahedra(instances, &mut random), Sides::Auto).expect("the device has room");
+        let scene = tetrahedra(instances, &mut random);
+        let instances = fill(&mut casters, &gpu, &scene, Sides::Auto).expect("the device has room");
+        let places = scene.instances.iter().map(|instance| instance.transform.translation.into());
+        let instances = instances.into_iter().zip(places).collect();
         let descriptor = PointShadowsDescriptor { capacity: lights as u32, resolution: 64, ..Default::default() };
         let mut shadows = PointShadows::new(&gpu.device, &descriptor).expect("the descriptor is valid");
         let mut add = |light| (shadows.add(light).expect("there is a place for each light"), light);
         // They reach few of the instances, so that the device keeps up.
         let place = |random: &mut Pcg64| PointLight { position: point(random), range: 5.0, ..Default::default() };
         let lights = (0..lights).map(|_| add(place(&mut random))).collect();
-        let mut frames = Self { gpu, casters, shadows, lights };
+        let mut frames = Self { gpu, casters, instances, shadows, lights, random };
         for _ in 0..3 {
             frames.touch_lights();
             frames.frame(Timed::Record);
@@ -63,12 +72,26 @@ impl Frames {
         }
     }
 
+    /// Moves all instances a little, and returns how long it takes to say so.
+    fn move_all(&mut self) -> Duration {
+        let mut near = |at: &Vec3| Affine3A::from_translation(*at + 0.001 * point(&mut self.random));
+        let transforms: Vec<Affine3A> = self.instances.iter().map(|(_, at)| near(at)).collect();
+        let started = Instant::now();
+        for ((instance, _), transform) in self.instances.iter().zip(transforms) {
+            self.casters.set_transform(*instance, transform).expect("the instance is still there");
+        }
+        started.elapsed()
+    }
+
     /// Records a frame, and waits until the device has done it.
     fn frame(&mut self, timed: Timed) -> Duration {
         let Gpu { device, queue, .. } = &self.gpu;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let started = Instant::now();
-        black_box(self.shadows.record(device, queue, &mut encoder, &mut self.casters));
+        let most = matches!(timed, Timed::RecordCasters).then_some(0);
+        let options = RecordOptions { most, ..Default::default() };
+        let made = self.shadows.record_with(device, queue, &mut encoder, &mut self.casters, options);
+        black_box(made.expect("the device is there"));
         let recorded = started.elapsed();
         let commands = encoder.finish();
         let finished = started.elapsed();
@@ -76,7 +99,7 @@ impl Frames {
         self.gpu.wait();
         match timed {
             Timed::Record => recorded,
-            Timed::RecordAndFinish => finished,
+            Timed::RecordAndFinish | Timed::RecordCasters => finished,
         }
     }
 
@@ -134,6 +157,36 @@ fn recording(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// Frames in which everything moves: saying so, bringing the casters up to date, and making all maps too.
+fn moving(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("everything moved, 64 lights, by instances");
+    for instances in [100, 1_000, 10_000] {
+        let mut frames = Frames::new(instances, 64);
+        group.bench_function(BenchmarkId::new("set transforms", instances), |bencher| {
+            bencher.iter_custom(|count| {
+                let frame = |_| {
+                    let time = frames.move_all();
+                    frames.frame(Timed::RecordCasters);
+                    time
+                };
+                (0..count).map(frame).sum()
+            });
+        });
+        for (name, timed) in [("record casters", Timed::RecordCasters), ("record all", Timed::RecordAndFinish)] {
+            group.bench_function(BenchmarkId::new(name, instances), |bencher| {
+                bencher.iter_custom(|count| {
+                    let frame = |_| {
+                        frames.move_all();
+                        frames.frame(timed)
+                    };
+                    (0..count).map(frame).sum()
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
 /// Little of a frame is timed, so little time goes a long way.
 fn config() -> Criterion {
     let times = [100, 300].map(Duration::from_millis);
@@ -143,6 +196,6 @@ fn config() -> Criterion {
 criterion_group! {
     name = benches;
     config = config();
-    targets = recording
+    targets = recording, moving
 }
 criterion_main!(benches);

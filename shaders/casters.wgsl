@@ -18,7 +18,7 @@ struct ChunkSource {
     counts: u32,
     // Bounds, in the mesh's space, of the closed pieces that the chunk has triangles of.
     pieces_min: vec3<f32>,
-    instance: u32,
+    padding: u32,
     pieces_max: vec3<f32>,
     // Cone of normals in the mesh's space: axis and sine, as four signed bytes; a sine of 1 for none.
     normals: u32,

@@ -14,7 +14,7 @@ struct MaskedVertex {
 @vertex
 fn masked(@location(0) position: vec3<f32>, @location(1) data: u32) -> MaskedVertex {
     let vertex = mask_vertices[data];
-    return MaskedVertex(clip_position(position), vec2<f32>(vertex.u, vertex.v), vertex.mask);
+    return MaskedVertex(dp_caster_position(position), vec2<f32>(vertex.u, vertex.v), vertex.mask);
 }
 
 // A corner of a piece. It has the piece's shift with its first corner, and with its second the triangle that it is of:
@@ -28,9 +28,9 @@ fn masked_piece(@builtin(vertex_index) corner: u32) -> MaskedVertex {
     let c = vertices[lists[at + 2u] & VERTEX_MASK];
     let position = pieces[corner].xyz;
     let weights = barycentrics(
-        a.position - hemisphere.light,
-        b.position - hemisphere.light,
-        c.position - hemisphere.light,
+        a.position - dp_hemisphere.light,
+        b.position - dp_hemisphere.light,
+        c.position - dp_hemisphere.light,
         position,
     );
     let vertex = mask_vertices[a.data];

@@ -7,8 +7,8 @@
 @group(0) @binding(3) var<storage, read_write> chunk_bounds: array<ChunkBounds>;
 // Three rows a matrix.
 @group(0) @binding(4) var<storage, read> transforms: array<vec4<f32>>;
-// The number of chunks, then the chunks.
-@group(0) @binding(5) var<storage, read> jobs: array<u32>;
+// A chunk and the number of its matrix.
+@group(0) @binding(5) var<storage, read> jobs: array<vec2<u32>>;
 
 const THREADS: u32 = 64u;
 // By how much a cone has to be wider when its axis is rounded to 1/127ths, and its sine too.
@@ -23,17 +23,17 @@ fn transform(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    for (var job = group.x; job < jobs[0]; job += groups.x) {
-        transform_chunk(jobs[1u + job], thread);
+    for (var job = group.x; job < arrayLength(&jobs); job += groups.x) {
+        transform_chunk(jobs[job].x, jobs[job].y, thread);
         workgroupBarrier();
     }
 }
 
-fn transform_chunk(chunk: u32, thread: u32) {
+fn transform_chunk(chunk: u32, matrix: u32, thread: u32) {
     let source = chunk_sources[chunk];
-    let row_x = transforms[3u * source.instance];
-    let row_y = transforms[3u * source.instance + 1u];
-    let row_z = transforms[3u * source.instance + 2u];
+    let row_x = transforms[3u * matrix];
+    let row_y = transforms[3u * matrix + 1u];
+    let row_z = transforms[3u * matrix + 2u];
     var low = vec3<f32>(3.4e38);
     var high = vec3<f32>(-3.4e38);
     for (var v = thread; v < vertex_count(source); v += THREADS) {

@@ -1,7 +1,7 @@
 //! A GPU array that grows and shrinks, with the writes that wait for the next recording.
 
-use crate::Error;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use crate::{Error, gpu};
+use std::collections::BTreeMap;
 
 /// Elements that an array has room for at least.
 const MINIMUM: u32 = 256;
@@ -15,8 +15,7 @@ pub(crate) struct Arena {
     usage: wgpu::BufferUsages,
     limit: u64,
     generation: u64,
-    /// First element and bytes of each write that waits.
-    pending: Vec<(u32, Vec<u8>)>,
+    pending: Pending,
 }
 
 impl Arena {
@@ -25,7 +24,7 @@ impl Arena {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let buffer = create(device, what, u64::from(MINIMUM) * stride, usage);
-        Self { what, stride, buffer, usage, limit, generation: 0, pending: Vec::new() }
+        Self { what, stride, buffer, usage, limit, generation: 0, pending: Pending::default() }
     }
 
     pub(crate) fn buffer(&self) -> &wgpu::Buffer {
@@ -50,23 +49,12 @@ impl Arena {
         Ok(())
     }
 
-    /// Notes bytes to be written from element `first` on.
+    /// Notes bytes to be written from element `first` on, over whatever was noted for the same elements.
     pub(crate) fn write(&mut self, first: u32, bytes: &[u8]) {
-        if bytes.is_empty() {
-            return;
-        }
-        match self.pending.last_mut() {
-            // Elements written one after the other make one write.
-            Some((start, last))
-                if u64::from(*start) * self.stride + last.len() as u64 == u64::from(first) * self.stride =>
-            {
-                last.extend_from_slice(bytes);
-            }
-            _ => self.pending.push((first, bytes.to_vec())),
-        }
+        self.pending.write(u64::from(first) * self.stride, bytes);
     }
 
-    /// Makes room for `length` elements, or gives room back, and does the writes that wait.
+    /// Makes room for `length` elements, or gives room back, and does the writes that wait, but for those past `length`.
     pub(crate) fn update(
         &mut self,
         device: &wgpu::Device,
@@ -74,32 +62,23 @@ impl Arena {
         encoder: &mut wgpu::CommandEncoder,
         length: u32,
     ) {
-        let pending = std::mem::take(&mut self.pending);
-        if !self.resize(device, encoder, length) {
-            for (first, bytes) in pending {
-                queue.write_buffer(&self.buffer, u64::from(first) * self.stride, &bytes);
-            }
+        self.resize(device, encoder, length);
+        let (bytes, copies) = std::mem::take(&mut self.pending).up_to(u64::from(length) * self.stride);
+        if bytes.is_empty() {
             return;
         }
-        // The old contents are copied in the encoder, so what is newer has to be written there too.
-        for (first, bytes) in pending {
-            let staging = device.create_buffer_init(&BufferInitDescriptor {
-                label: Some("dual_paraboloid::casters::staging"),
-                contents: &bytes,
-                usage: wgpu::BufferUsages::COPY_SRC,
-            });
-            encoder.copy_buffer_to_buffer(
-                &staging,
-                0,
-                &self.buffer,
-                u64::from(first) * self.stride,
-                bytes.len() as u64,
-            );
+        // By way of the encoder, since the old contents may be copied there too. One upload however many writes: each has
+        // a buffer made for it by wgpu.
+        let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let staging = create(device, "staging", bytes.len() as u64, usage);
+        queue.write_buffer(&staging, 0, &bytes);
+        for Copy { from, to, size } in copies {
+            encoder.copy_buffer_to_buffer(&staging, from, &self.buffer, to, size);
         }
     }
 
-    /// Doubles when full, halves when three quarters are unused; returns whether the buffer was replaced.
-    fn resize(&mut self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, length: u32) -> bool {
+    /// Doubles when full, halves when three quarters are unused.
+    fn resize(&mut self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, length: u32) {
         let capacity = self.buffer.size() / self.stride;
         let length = u64::from(length.max(MINIMUM));
         let wanted = if length > capacity {
@@ -107,22 +86,100 @@ impl Arena {
         } else if length < capacity / 4 {
             length * 2
         } else {
-            return false;
+            return;
         };
         let buffer = create(device, self.what, wanted * self.stride, self.usage);
         let kept = self.buffer.size().min(buffer.size());
         encoder.copy_buffer_to_buffer(&self.buffer, 0, &buffer, 0, kept);
         self.buffer = buffer;
         self.generation += 1;
-        true
     }
 }
 
 fn create(device: &wgpu::Device, what: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(&format!("dual_paraboloid::casters::{what}")),
-        size,
-        usage,
-        mapped_at_creation: false,
-    })
+    gpu::buffer(device, &format!("casters::{what}"), size, usage)
+}
+
+/// Bytes to write, by where they go; no two runs overlap.
+#[derive(Debug, Default)]
+struct Pending {
+    runs: BTreeMap<u64, Vec<u8>>,
+}
+
+/// Bytes of the staging buffer and where they go.
+#[derive(Debug, PartialEq, Eq)]
+struct Copy {
+    from: u64,
+    to: u64,
+    size: u64,
+}
+
+impl Pending {
+    fn write(&mut self, start: u64, bytes: &[u8]) {
+        let end = start + bytes.len() as u64;
+        while let Some((&next, _)) = self.runs.range(start..end).next() {
+            let run = self.runs.remove(&next).unwrap_or_default();
+            let covered = (end - next) as usize;
+            if run.len() > covered {
+                self.runs.insert(end, run[covered..].to_vec());
+            }
+        }
+        match self.runs.range_mut(..start).next_back() {
+            Some((before, run)) if before + run.len() as u64 >= start => {
+                let at = (start - before) as usize;
+                let (over, behind) = bytes.split_at(bytes.len().min(run.len() - at));
+                run[at..at + over.len()].copy_from_slice(over);
+                run.extend_from_slice(behind);
+            }
+            _ if bytes.is_empty() => {}
+            _ => {
+                self.runs.insert(start, bytes.to_vec());
+            }
+        }
+    }
+
+    /// All bytes that go below `end`, one after the other, and the copies that take them there.
+    fn up_to(self, end: u64) -> (Vec<u8>, Vec<Copy>) {
+        let (mut bytes, mut copies): (Vec<u8>, Vec<Copy>) = (Vec::new(), Vec::new());
+        for (to, run) in self.runs {
+            let size = (run.len() as u64).min(end.saturating_sub(to));
+            if size == 0 {
+                break;
+            }
+            match copies.last_mut() {
+                Some(last) if last.to + last.size == to => last.size += size,
+                _ => copies.push(Copy { from: bytes.len() as u64, to, size }),
+            }
+            bytes.extend_from_slice(&run[..size as usize]);
+        }
+        (bytes, copies)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Pending;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_last_write_wins(writes in prop::collection::vec((0u64..64, 0usize..16), 0..40), end in 0u64..80) {
+            let (mut pending, mut expected) = (Pending::default(), [0u8; 80]);
+            for ((start, length), value) in writes.into_iter().zip(1..) {
+                pending.write(start, &vec![value; length]);
+                expected[start as usize..][..length].fill(value);
+            }
+            let (bytes, copies) = pending.up_to(end);
+            let mut written = [0u8; 80];
+            let mut before = None;
+            for copy in copies {
+                prop_assert!(before.is_none_or(|end| end < copy.to), "copies that touch are one");
+                before = Some(copy.to + copy.size);
+                let source = &bytes[copy.from as usize..][..copy.size as usize];
+                written[copy.to as usize..][..source.len()].copy_from_slice(source);
+            }
+            expected[end as usize..].fill(0);
+            prop_assert_eq!(written, expected);
+        }
+    }
 }

@@ -11,8 +11,8 @@ use crate::deform::{Deformed, Positions};
 use crate::mask::{Mask, MaskedMesh, Masks};
 use crate::ranges::Ranges;
 use crate::slots::{Handle, Slots};
-use crate::transform::Transform;
-use glam::{Affine3A, Vec3};
+use crate::transform::{Moved, Transform};
+use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use std::collections::VecDeque;
 
 /// A list of triangles' corners.
@@ -106,7 +106,10 @@ struct Instance {
     bounds: Bounds,
     /// Once it is deformed, its own bounds in the mesh's space.
     deformed: Option<(Positions, Bounds)>,
+    /// Its vertices in world space aren't up to date.
     moved: bool,
+    /// Marked by [`Casters::set_moving`].
+    moving: bool,
 }
 
 /// A chunk of an instance as the shaders read it: where its data lies.
@@ -122,22 +125,43 @@ pub(crate) struct ChunkSource {
     /// Vertices in bits 0-8, triangles in bits 9-17, culling in bits 18-19, kind in bits 20-21.
     pub(crate) counts: u32,
     pub(crate) pieces_min: Vec3,
-    pub(crate) instance: u32,
+    pub(crate) padding: u32,
     pub(crate) pieces_max: Vec3,
     pub(crate) normals: Cone,
 }
 
-/// Bit of a chunk's kind; twin of the constant in `shaders/casters.wgsl`.
+/// Bit of a chunk's kind, by which jobs leave chunks out: its instance is marked as moving.
+const KIND_MOVING: u32 = 1;
+
+/// The same: its mesh has holes.
 const KIND_MASKED: u32 = 2;
 
-/// What moved, came or went: the bounds before and after, whichever there were.
+/// What moved, came or went.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Change {
-    pub(crate) before: Option<Bounds>,
-    pub(crate) after: Option<Bounds>,
+    /// Bounds before and after, empty where there was nothing.
+    before: Bounds,
+    after: Bounds,
+    /// Around both.
+    around: Bounds,
+    /// Of a caster that is marked as moving.
+    pub(crate) moving: bool,
 }
 
-/// Changes remembered for lights that weren't recorded since; past that, every light counts as touched.
+impl Change {
+    fn new(before: Bounds, after: Bounds, moving: bool) -> Self {
+        Self { before, after, around: before.union(after), moving }
+    }
+
+    /// Whether it may be seen within `radius` of `centre`.
+    pub(crate) fn touches_sphere(&self, centre: Vec3, radius: f32) -> bool {
+        // What moves goes a little way in a frame, so that one test does for most.
+        self.around.touches_sphere(centre, radius)
+            && (self.before.touches_sphere(centre, radius) || self.after.touches_sphere(centre, radius))
+    }
+}
+
+/// Changes remembered for lights that haven't seen them yet; past that, every light counts as touched.
 const REMEMBERED_CHANGES: usize = 1 << 16;
 
 /// Bytes of a vertex, in the mesh's space or the world's; the first twelve are the position.
@@ -160,6 +184,7 @@ pub struct Casters {
     chunk_ranges: Ranges,
     triangle_count: u64,
     masked_instances: usize,
+    moving_instances: usize,
     moved: Vec<Handle>,
     changes: VecDeque<Change>,
     first_change: u64,
@@ -168,7 +193,6 @@ pub struct Casters {
     pub(crate) vertices: Arena,
     pub(crate) chunk_sources: Arena,
     pub(crate) chunk_bounds: Arena,
-    pub(crate) transforms: Arena,
     masks: Masks,
     transform: Transform,
     limits: wgpu::Limits,
@@ -189,6 +213,7 @@ impl Casters {
             chunk_ranges: Ranges::default(),
             triangle_count: 0,
             masked_instances: 0,
+            moving_instances: 0,
             moved: Vec::new(),
             changes: VecDeque::new(),
             first_change: 0,
@@ -197,7 +222,6 @@ impl Casters {
             vertices: arena("vertices", VERTEX_SIZE, wgpu::BufferUsages::VERTEX),
             chunk_sources: arena("chunks", size_of::<ChunkSource>() as u64, wgpu::BufferUsages::empty()),
             chunk_bounds: arena("chunk bounds", CHUNK_BOUNDS_SIZE, wgpu::BufferUsages::empty()),
-            transforms: arena("transforms", 48, wgpu::BufferUsages::empty()),
             masks: Masks::new(device),
             transform: Transform::new(device),
             limits: device.limits(),
@@ -217,14 +241,7 @@ impl Casters {
     }
 
     fn arenas(&self) -> impl Iterator<Item = &Arena> {
-        let own = [
-            &self.local_vertices,
-            &self.triangles,
-            &self.vertices,
-            &self.chunk_sources,
-            &self.chunk_bounds,
-            &self.transforms,
-        ];
+        let own = [&self.local_vertices, &self.triangles, &self.vertices, &self.chunk_sources, &self.chunk_bounds];
         own.into_iter().chain(self.masks.arenas())
     }
 
@@ -310,17 +327,71 @@ impl Casters {
         let first_chunk = self.chunk_ranges.allocate(chunk_count);
         self.triangle_count += u64::from(entry.triangle_count);
         self.masked_instances += usize::from(entry.mask.is_some());
-        let instance =
-            Instance { mesh: mesh.0, first_vertex, first_chunk, transform, bounds, deformed: None, moved: true };
+        let instance = Instance {
+            mesh: mesh.0,
+            first_vertex,
+            first_chunk,
+            transform,
+            bounds,
+            deformed: None,
+            moved: true,
+            moving: false,
+        };
         let handle = self.instances.insert(instance);
-        let entry = self.meshes.get_mut(mesh.0)?;
-        let sources: Vec<ChunkSource> =
-            entry.chunks.iter().map(|chunk| chunk_source(entry, chunk, first_vertex, handle.slot)).collect();
-        self.chunk_sources.write(first_chunk, bytemuck::cast_slice(&sources));
-        self.transforms.write(handle.slot, bytemuck::cast_slice(&rows(&transform)));
+        self.write_chunk_sources(handle)?;
         self.moved.push(handle);
-        self.note(Change { before: None, after: Some(bounds) });
+        self.note(Change::new(Bounds::EMPTY, bounds, false));
         Ok(InstanceId(handle))
+    }
+
+    /// Says whether an instance moves often. It makes no difference to the maps: with
+    /// [`keep_static`](crate::PointShadowsDescriptor::keep_static), what is not marked as moving is drawn once and
+    /// kept, so that a marked caster that moves costs little, and another one that moves all that is near. Instances
+    /// aren't marked when they are added.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`].
+    pub fn set_moving(&mut self, id: InstanceId, moving: bool) -> Result<(), Error> {
+        let instance = self.instances.get_mut(id.0)?;
+        if std::mem::replace(&mut instance.moving, moving) == moving {
+            return Ok(());
+        }
+        let bounds = instance.bounds;
+        if moving {
+            self.moving_instances += 1;
+        } else {
+            self.moving_instances -= 1;
+        }
+        self.write_chunk_sources(id.0)?;
+        self.note(Change::new(bounds, bounds, false));
+        Ok(())
+    }
+
+    /// Says that casters that the caller draws, see [`CasterPass`](crate::CasterPass), have changed somewhere within a box
+    /// of world space, so that the lights that reach it are made anew. They count as moving ones. The box may be infinite.
+    ///
+    /// # Errors
+    /// [`Error::InvalidBox`] unless `min` is at most `max` on every axis.
+    pub fn touch(&mut self, min: Vec3, max: Vec3) -> Result<(), Error> {
+        if !min.cmple(max).all() {
+            return Err(Error::InvalidBox { min: min.to_array(), max: max.to_array() });
+        }
+        self.note(Change::new(Bounds::EMPTY, Bounds { min, max }, true));
+        Ok(())
+    }
+
+    /// Whether any instance is marked as moving.
+    pub(crate) fn any_moving(&self) -> bool {
+        self.moving_instances > 0
+    }
+
+    /// Writes where the chunks of an instance have their data.
+    fn write_chunk_sources(&mut self, id: Handle) -> Result<(), Error> {
+        let instance = self.instances.get(id)?;
+        let mesh = self.meshes.get(instance.mesh)?;
+        let sources: Vec<ChunkSource> = mesh.chunks.iter().map(|chunk| chunk_source(mesh, chunk, instance)).collect();
+        self.chunk_sources.write(instance.first_chunk, bytemuck::cast_slice(&sources));
+        Ok(())
     }
 
     /// Moves an instance.
@@ -333,7 +404,6 @@ impl Casters {
         let local = instance.deformed.as_ref().map_or(&mesh.bounds, |(_, bounds)| bounds);
         let bounds = transformed(local, &transform)?;
         instance.transform = transform;
-        self.transforms.write(id.0.slot, bytemuck::cast_slice(&rows(&transform)));
         self.moved(id, bounds)
     }
 
@@ -360,10 +430,11 @@ impl Casters {
     fn moved(&mut self, id: InstanceId, bounds: Bounds) -> Result<(), Error> {
         let instance = self.instances.get_mut(id.0)?;
         let before = std::mem::replace(&mut instance.bounds, bounds);
+        let moving = instance.moving;
         if !std::mem::replace(&mut instance.moved, true) {
             self.moved.push(id.0);
         }
-        self.note(Change { before: Some(before), after: Some(bounds) });
+        self.note(Change::new(before, bounds, moving));
         Ok(())
     }
 
@@ -373,10 +444,11 @@ impl Casters {
     /// [`Error::StaleHandle`].
     pub fn remove_instance(&mut self, id: InstanceId) -> Result<(), Error> {
         let instance = self.instances.get_mut(id.0)?;
-        let (first_vertex, first_chunk, bounds) = (instance.first_vertex, instance.first_chunk, instance.bounds);
+        let Instance { first_vertex, first_chunk, bounds, moving, .. } = *instance;
         let mesh = self.meshes.get_mut(instance.mesh)?;
         let chunk_count = mesh.chunks.len() as u32;
         mesh.instances -= 1;
+        self.moving_instances -= usize::from(moving);
         self.triangle_count -= u64::from(mesh.triangle_count);
         self.masked_instances -= usize::from(mesh.mask.is_some());
         self.vertex_ranges.release(first_vertex, mesh.vertex_count);
@@ -384,14 +456,14 @@ impl Casters {
         let none: ChunkSource = bytemuck::Zeroable::zeroed();
         self.chunk_sources.write(first_chunk, bytemuck::cast_slice(&vec![none; chunk_count as usize]));
         self.instances.remove(id.0)?;
-        self.note(Change { before: Some(bounds), after: None });
+        self.note(Change::new(bounds, Bounds::EMPTY, moving));
         Ok(())
     }
 
     fn note(&mut self, change: Change) {
         if self.changes.len() == REMEMBERED_CHANGES {
-            self.first_change += self.changes.len() as u64;
-            self.changes.clear();
+            self.first_change += 1;
+            self.changes.pop_front();
         }
         self.changes.push_back(change);
     }
@@ -404,7 +476,7 @@ impl Casters {
     /// The changes after the first `seen`, or `None` if they aren't remembered any more.
     pub(crate) fn changes_since(&self, seen: u64) -> Option<impl Iterator<Item = &Change>> {
         let skip = seen.checked_sub(self.first_change)?;
-        Some(self.changes.iter().skip(usize::try_from(skip).ok()?))
+        Some(self.changes.range(usize::try_from(skip).ok()?..))
     }
 
     /// Identifies this store among all.
@@ -426,45 +498,48 @@ impl Casters {
     pub(crate) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
         let (local, triangles) = (self.local_ranges.end(), self.triangle_ranges.end());
         let (vertices, chunks) = (self.vertex_ranges.end(), self.chunk_ranges.end());
-        let slots = self.instances.len();
         self.local_vertices.update(device, queue, encoder, local);
         self.triangles.update(device, queue, encoder, triangles);
         self.vertices.update(device, queue, encoder, vertices);
         self.chunk_sources.update(device, queue, encoder, chunks);
         self.chunk_bounds.update(device, queue, encoder, chunks);
-        self.transforms.update(device, queue, encoder, slots);
         self.masks.update(device, queue, encoder);
-        let (jobs, deformed) = self.take_moved_chunks();
-        let arenas = [&self.local_vertices, &self.vertices, &self.chunk_sources, &self.chunk_bounds, &self.transforms];
+        let (moved, deformed) = self.take_moved();
+        let arenas = [&self.local_vertices, &self.vertices, &self.chunk_sources, &self.chunk_bounds];
         let buffers = arenas.map(Arena::buffer);
-        if !jobs.is_empty() {
-            self.transform.record(device, encoder, buffers, &jobs);
+        if !moved.chunks.is_empty() {
+            self.transform.record(device, queue, encoder, buffers, &moved);
         }
         let [mask_vertices, ..] = self.masks.arenas().map(Arena::buffer);
-        for (positions, jobs) in deformed {
-            self.transform.record_deformed(device, encoder, buffers, &jobs, &positions, mask_vertices);
+        for (positions, moved) in deformed {
+            self.transform.record_deformed(device, queue, encoder, buffers, &moved, &positions, mask_vertices);
         }
     }
 
-    /// Chunks to transform: those with their mesh's positions, and those of each deformed instance.
-    fn take_moved_chunks(&mut self) -> (Vec<u32>, Vec<(Positions, Vec<u32>)>) {
-        let (mut jobs, mut deformed) = (Vec::new(), Vec::new());
+    /// What has to be transformed: with their meshes' positions, and each deformed instance.
+    fn take_moved(&mut self) -> (Moved, Vec<(Positions, Moved)>) {
+        let (mut moved, mut deformed) = (Moved::default(), Vec::new());
         for handle in std::mem::take(&mut self.moved) {
             let Ok(instance) = self.instances.get_mut(handle) else {
                 continue;
             };
             instance.moved = false;
             let first = instance.first_chunk;
-            let Ok(mesh) = self.meshes.get_mut(instance.mesh) else {
+            let Ok(mesh) = self.meshes.get(instance.mesh) else {
                 continue;
             };
             let chunks = first..first + mesh.chunks.len() as u32;
+            let transform = rows(&instance.transform);
             match &instance.deformed {
-                Some((positions, _)) => deformed.push((positions.clone(), chunks.collect())),
-                None => jobs.extend(chunks),
+                Some((positions, _)) => {
+                    let mut own = Moved::default();
+                    own.push(chunks, transform);
+                    deformed.push((positions.clone(), own));
+                }
+                None => moved.push(chunks, transform),
             }
         }
-        (jobs, deformed)
+        (moved, deformed)
     }
 }
 
@@ -488,22 +563,22 @@ fn validate(mesh: &CasterMesh) -> Result<(), Error> {
     }
 }
 
-fn chunk_source(mesh: &Mesh, chunk: &Chunk, first_vertex: u32, instance: u32) -> ChunkSource {
+fn chunk_source(mesh: &Mesh, chunk: &Chunk, instance: &Instance) -> ChunkSource {
     let culling = match chunk.culling {
         Culling::None => 0,
         Culling::Closed => 1,
         Culling::Always => 2,
     };
-    let kind = if mesh.mask.is_some() { KIND_MASKED } else { 0 };
     let pieces =
         if chunk.culling == Culling::Closed { chunk.pieces } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
+    let kind = if instance.moving { KIND_MOVING } else { 0 } | if mesh.mask.is_some() { KIND_MASKED } else { 0 };
     ChunkSource {
         local_vertex: mesh.first_vertex + chunk.first_vertex,
-        vertex: first_vertex + chunk.first_vertex,
+        vertex: instance.first_vertex + chunk.first_vertex,
         triangle: mesh.first_triangle + chunk.first_triangle,
         counts: chunk.vertex_count | chunk.triangle_count << 9 | culling << 18 | kind << 20,
         pieces_min: pieces.min,
-        instance,
+        padding: 0,
         pieces_max: pieces.max,
         normals: chunk.normals,
     }
@@ -524,16 +599,20 @@ fn transformed(bounds: &Bounds, transform: &Affine3A) -> Result<Bounds, Error> {
     if bounds.min.x > bounds.max.x {
         return Ok(*bounds);
     }
-    let mut result = Bounds::EMPTY;
-    for corner in 0..8 {
-        let pick = |axis: usize| {
-            if corner >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] }
-        };
-        result.extend(transform.transform_point3(Vec3::new(pick(0), pick(1), pick(2))));
-    }
-    if !(result.min.is_finite() && result.max.is_finite()) {
-        return Err(error());
-    }
-    let slack = result.min.abs().max(result.max.abs()) * 1e-5;
-    Ok(Bounds { min: result.min - slack, max: result.max + slack })
+    let (matrix, size) = (
+        transform.matrix3,
+        Mat3A::from_cols(
+            transform.matrix3.x_axis.abs(),
+            transform.matrix3.y_axis.abs(),
+            transform.matrix3.z_axis.abs(),
+        ),
+    );
+    let half = Vec3A::from(0.5 * bounds.max - 0.5 * bounds.min);
+    let middle = Vec3A::from(0.5 * bounds.max + 0.5 * bounds.min);
+    let centre = matrix * middle + transform.translation;
+    // Rounding is in proportion to what is summed, which may cancel in the sum.
+    let slack = 1e-5 * (size * (middle.abs() + half) + transform.translation.abs());
+    let reach = size * half + slack;
+    let result = Bounds { min: (centre - reach).into(), max: (centre + reach).into() };
+    if result.min.is_finite() && result.max.is_finite() { Ok(result) } else { Err(error()) }
 }

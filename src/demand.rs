@@ -27,6 +27,10 @@ impl Demand {
         Self { copy, state: Arc::new(AtomicU32::new(IDLE)) }
     }
 
+    pub(crate) fn memory(&self) -> u64 {
+        self.copy.size()
+    }
+
     /// Copies the counters of a recording, unless those of an earlier one are still on their way.
     pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, arguments: &wgpu::Buffer, jobs: usize) {
         if self.state.compare_exchange(IDLE, PENDING, Ordering::AcqRel, Ordering::Acquire).is_err() {

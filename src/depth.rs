@@ -2,12 +2,14 @@
 //! `shaders/exact.wgsl`).
 
 use crate::casters::VERTEX_SIZE;
+use crate::custom::CasterPass;
 use crate::gpu::{self, Binding};
 use crate::light::{Coverage, PointLight};
 use crate::masked::{self, Masked};
 use crate::view::{Arguments, HemisphereView, MapShape, SLOT, View};
 use glam::Vec3;
 use std::mem::offset_of;
+use std::ops::Range;
 
 /// Views that a light takes: for each hemisphere one for world space and one for pieces.
 const VIEWS: u64 = 4;
@@ -74,6 +76,15 @@ impl Depth {
         self.masked.get_or_insert_with(|| Masked::new(device, &self.layout, &self.exact_layout))
     }
 
+    /// Layout of a hemisphere's view, with a dynamic offset.
+    pub(crate) fn layout(&self) -> &wgpu::BindGroupLayout {
+        &self.layout
+    }
+
+    pub(crate) fn memory(&self) -> u64 {
+        self.views.size()
+    }
+
     pub(crate) fn exact_group(
         &self,
         device: &wgpu::Device,
@@ -99,6 +110,26 @@ impl Depth {
         queue.write_buffer(&self.views, 0, &bytes);
     }
 
+    /// Lets the caller draw over a map of the light whose views are the `number`th.
+    pub(crate) fn record_custom(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        shape: &MapShape,
+        light: &PointLight,
+        number: u32,
+        draw: &mut dyn FnMut(&mut CasterPass),
+    ) {
+        let size = shape.resolution as f32;
+        for back in hemispheres(light.coverage) {
+            // A pass for each, so that nothing that the caller sets outlives it.
+            let mut pass = begin(encoder, target, false);
+            pass.set_viewport(size * back as f32, 0.0, size, size, 0.0, 1.0);
+            let (hemisphere, offset) = (&self.group, view_offset(number, back, 0));
+            draw(&mut CasterPass { pass, light: *light, back: back == 1, hemisphere, offset });
+        }
+    }
+
     /// Draws what job `job` chose for the light whose views are the `light`th. The first job of a light clears. With
     /// masked groups in the sources it is a job of masked casters.
     #[expect(clippy::too_many_arguments, reason = "one call site; each is a separate thing")]
@@ -113,24 +144,11 @@ impl Depth {
         job: Option<u32>,
         clear: bool,
     ) {
-        let load = if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("dual_paraboloid::depth"),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: target,
-                depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
+        let mut pass = begin(encoder, target, clear);
         let Some(job) = job else { return };
         let at = u64::from(job) * SLOT;
-        let backs = match coverage {
-            Coverage::Full => 0..2u32,
-            Coverage::Hemisphere => 0..1,
-        };
         let size = shape.resolution as f32;
-        let view = |back: u32, relative: u32| (light * VIEWS as u32 + 2 * back + relative) * SLOT as u32;
+        let view = |back, relative| view_offset(light, back, relative);
         let pipelines = match (&self.masked, sources.masked) {
             (Some(masked), Some(groups)) => {
                 pass.set_bind_group(1, &groups[0], &[]);
@@ -140,7 +158,7 @@ impl Depth {
             _ => &self.opaque,
         };
         pass.set_index_buffer(sources.lists.slice(..), wgpu::IndexFormat::Uint32);
-        for back in backs {
+        for back in hemispheres(coverage) {
             let b = u64::from(back);
             pass.set_viewport(size * back as f32, 0.0, size, size, 0.0, 1.0);
             pass.set_pipeline(&pipelines.whole);
@@ -156,6 +174,32 @@ impl Depth {
             pass.draw_indirect(sources.arguments, at + offset_of!(Arguments, exact) as u64 + 16 * b);
         }
     }
+}
+
+/// Offset of the view of a hemisphere of the `number`th light; `relative` is 1 for pieces.
+fn view_offset(number: u32, back: u32, relative: u32) -> u32 {
+    (number * VIEWS as u32 + 2 * back + relative) * SLOT as u32
+}
+
+/// The hemispheres that are drawn, 1 for the back one.
+fn hemispheres(coverage: Coverage) -> Range<u32> {
+    match coverage {
+        Coverage::Full => 0..2,
+        Coverage::Hemisphere => 0..1,
+    }
+}
+
+fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, target: &wgpu::TextureView, clear: bool) -> wgpu::RenderPass<'a> {
+    let load = if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("dual_paraboloid::depth"),
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: target,
+            depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+            stencil_ops: None,
+        }),
+        ..Default::default()
+    })
 }
 
 /// A buffer of vertices that a depth pipeline draws.

@@ -127,6 +127,19 @@ pub enum Error {
         /// What it has to be.
         remedy: String,
     },
+    /// A box whose corners are the wrong way round or NaN.
+    #[error(
+        "the box from {min:?} to {max:?} is none: each coordinate of the first corner must be at most the second's"
+    )]
+    InvalidBox {
+        /// The lower corner given.
+        min: [f32; 3],
+        /// The upper corner given.
+        max: [f32; 3],
+    },
+    /// The device is lost, so nothing was recorded.
+    #[error("the device is lost: make another one, and all that was made with this one anew")]
+    DeviceLost,
     /// No place for another light.
     #[error("all {capacity} places are taken: remove a light, or create the shadows with a larger capacity")]
     CapacityExceeded {

@@ -1,5 +1,7 @@
 //! Shorthands for what every stage creates, with the labels of the crate.
 
+use crate::Error;
+
 /// Label of an object of the library.
 fn label(what: &str) -> String {
     format!("dual_paraboloid::{what}")
@@ -122,6 +124,20 @@ pub(crate) fn depth_state() -> wgpu::DepthStencilState {
         stencil: wgpu::StencilState::default(),
         bias: wgpu::DepthBiasState::default(),
     }
+}
+
+/// Says if the device is lost.
+///
+/// There is no asking it, and its callback for that is the caller's. But what a lost device makes can't be mapped, and
+/// that is no error of validation, which would be the end of most programs.
+pub(crate) fn check(device: &wgpu::Device) -> Result<(), Error> {
+    let probe = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(&label("probe")),
+        size: wgpu::COPY_BUFFER_ALIGNMENT,
+        usage: wgpu::BufferUsages::MAP_WRITE,
+        mapped_at_creation: true,
+    });
+    probe.get_mapped_range(..).map(|_| ()).map_err(|_| Error::DeviceLost)
 }
 
 /// Whether the device runs on the CPU.

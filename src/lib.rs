@@ -33,7 +33,7 @@
 //!
 //! // Every frame: say what has moved, record, and bind.
 //! casters.set_transform(door, transform)?;
-//! shadows.record(device, queue, encoder, casters);
+//! shadows.record(device, queue, encoder, casters)?;
 //! let mut pass = encoder.begin_render_pass(descriptor);
 //! pass.set_bind_group(1, shadows.bind_group(), &[]);
 //! # Ok(())
@@ -69,6 +69,7 @@ mod chunks;
 #[cfg(feature = "compare")]
 pub mod compare;
 mod cone;
+mod custom;
 mod deform;
 mod demand;
 mod depth;
@@ -76,11 +77,13 @@ mod error;
 mod gpu;
 mod light;
 mod lookup;
+mod maps;
 mod mask;
 mod masked;
 pub mod paraboloid;
 mod ranges;
 mod route;
+mod schedule;
 mod shadows;
 mod slots;
 mod split;
@@ -89,10 +92,11 @@ mod view;
 pub mod wgsl;
 
 pub use casters::{CasterMesh, Casters, Indices, InstanceId, MeshId, Sides};
+pub use custom::CasterPass;
 pub use deform::Deformed;
 pub use error::Error;
 pub use light::{Coverage, PointLight};
 pub use mask::Mask;
 #[cfg(feature = "compare")]
 pub use shadows::Stage;
-pub use shadows::{LightId, PointShadows, PointShadowsDescriptor};
+pub use shadows::{LightId, PointShadows, PointShadowsDescriptor, RecordOptions};

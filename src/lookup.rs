@@ -27,15 +27,18 @@ pub(crate) struct Lookup {
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     lights: wgpu::Buffer,
+    /// What the lights are to be, and whether the buffer isn't up to date.
+    records: Vec<LightRecord>,
+    changed: bool,
 }
 
 impl Lookup {
     /// For the layers of `maps`, one a light.
     pub(crate) fn new(device: &wgpu::Device, maps: &wgpu::Texture) -> Self {
         let layout = layout(device);
-        let capacity = u64::from(maps.depth_or_array_layers());
+        let records = vec![bytemuck::Zeroable::zeroed(); maps.depth_or_array_layers() as usize];
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-        let lights = gpu::buffer(device, "lookup::lights", capacity * size_of::<LightRecord>() as u64, usage);
+        let lights = gpu::buffer(device, "lookup::lights", size_of_val(&records[..]) as u64, usage);
         let view = maps.create_view(&wgpu::TextureViewDescriptor {
             label: Some("dual_paraboloid::lookup::maps"),
             dimension: Some(wgpu::TextureViewDimension::D2Array),
@@ -51,7 +54,7 @@ impl Lookup {
             lights.as_entire_binding(),
         ];
         let group = gpu::bind_group(device, "lookup", &layout, &resources);
-        Self { layout, group, lights }
+        Self { layout, group, lights, records, changed: false }
     }
 
     pub(crate) fn layout(&self) -> &wgpu::BindGroupLayout {
@@ -63,23 +66,40 @@ impl Lookup {
     }
 
     /// Describes the light of a layer, or that there is none any more.
-    pub(crate) fn write(&self, queue: &wgpu::Queue, layer: u32, light: Option<&PointLight>, shape: &MapShape) {
-        let record = light.map_or(bytemuck::Zeroable::zeroed(), |light| {
-            let [right, up, forward] = axes(light.orientation);
-            LightRecord {
-                right,
-                near: light.near,
-                up,
-                range: light.range,
-                forward,
-                texels: shape.texels(),
-                position: light.position,
-                hemispheres: hemispheres(light.coverage),
-                tolerance: shape.depth_tolerance(),
-                padding: [0; 3],
-            }
-        });
-        queue.write_buffer(&self.lights, u64::from(layer) * size_of_val(&record) as u64, bytemuck::bytes_of(&record));
+    pub(crate) fn set(&mut self, layer: u32, light: Option<&PointLight>, shape: &MapShape) {
+        let record = light.map_or(bytemuck::Zeroable::zeroed(), |light| LightRecord::new(light, shape));
+        let place = &mut self.records[layer as usize];
+        self.changed |= *place != record;
+        *place = record;
+    }
+
+    /// Brings the GPU's copy up to date, in one write.
+    pub(crate) fn write(&mut self, queue: &wgpu::Queue) {
+        if std::mem::take(&mut self.changed) {
+            queue.write_buffer(&self.lights, 0, bytemuck::cast_slice(&self.records));
+        }
+    }
+
+    pub(crate) fn memory(&self) -> u64 {
+        self.lights.size()
+    }
+}
+
+impl LightRecord {
+    fn new(light: &PointLight, shape: &MapShape) -> Self {
+        let [right, up, forward] = axes(light.orientation);
+        Self {
+            right,
+            near: light.near,
+            up,
+            range: light.range,
+            forward,
+            texels: shape.texels(),
+            position: light.position,
+            hemispheres: hemispheres(light.coverage),
+            tolerance: shape.depth_tolerance(),
+            padding: [0; 3],
+        }
     }
 }
 

@@ -58,6 +58,10 @@ impl Route {
         self.capacity
     }
 
+    pub(crate) fn memory(&self) -> u64 {
+        self.lists.size()
+    }
+
     /// Makes room for the triangles of `casters`, as far as one job takes them; returns whether the lists were
     /// replaced.
     pub(crate) fn fit(&mut self, device: &wgpu::Device, casters: &Casters) -> bool {

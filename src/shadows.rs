@@ -2,16 +2,19 @@
 
 use crate::Error;
 use crate::casters::Casters;
+use crate::custom::CasterPass;
 use crate::demand::Demand;
 use crate::depth::{Depth, Sources};
 use crate::gpu;
 use crate::light::PointLight;
 use crate::lookup::Lookup;
+use crate::maps::{Maps, Target};
 use crate::masked;
 use crate::route::Route;
+use crate::schedule::{self, Due, Light, Stale};
 use crate::slots::{Handle, Slots};
 use crate::split::Split;
-use crate::view::{Arguments, Capacities, Job, MapShape, SLOT, View};
+use crate::view::{self, Arguments, Capacities, Job, MapShape, SLOT, View};
 use std::ops::Range;
 
 /// How [`PointShadows`] are made.
@@ -29,12 +32,16 @@ pub struct PointShadowsDescriptor {
     /// Width of the guard band around each hemisphere, in texels: lookups near the seam find all their texels in
     /// their own map. In [1, 16]; a sixteenth of the resolution at most is used.
     pub guard: f32,
+    /// Keeps a second map of each light's static casters, over a copy of which the
+    /// [moving](crate::Casters::set_moving) ones are drawn. The maps are the same to the bit and take twice the memory;
+    /// it pays where little moves among much that doesn't.
+    pub keep_static: bool,
 }
 
 impl Default for PointShadowsDescriptor {
-    /// Four lights of 1024 texels across, to a tenth of a texel, with a guard band of four texels.
+    /// Four lights of 1024 texels across, to a tenth of a texel, with a guard band of four texels, and one map each.
     fn default() -> Self {
-        Self { capacity: 4, resolution: 1024, tolerance: 0.1, guard: 4.0 }
+        Self { capacity: 4, resolution: 1024, tolerance: 0.1, guard: 4.0, keep_static: false }
     }
 }
 
@@ -51,12 +58,6 @@ impl LightId {
     }
 }
 
-#[derive(Debug)]
-struct Light {
-    light: PointLight,
-    stale: bool,
-}
-
 /// Depth maps of point lights, kept up to date with the casters.
 #[derive(Debug)]
 pub struct PointShadows {
@@ -67,8 +68,7 @@ pub struct PointShadows {
     removed: Vec<u32>,
     /// The casters that the maps show, by owner, and how many of their changes.
     seen: Option<(u32, u64)>,
-    maps: wgpu::Texture,
-    layers: Vec<wgpu::TextureView>,
+    maps: Maps,
     lookup: Lookup,
     route: Route,
     split: Split,
@@ -98,6 +98,30 @@ pub enum Stage {
     Depth,
 }
 
+/// What [`PointShadows::record_with`] may do beside what [`PointShadows::record`] does.
+#[derive(Default)]
+pub struct RecordOptions<'a> {
+    /// Maps that are made anew at most. What is left out stays as it is, old light and all, and goes first another time:
+    /// by [priority](PointShadows::set_priority) times the recordings it has waited for. Lights without any map, which
+    /// until then light nothing, go before all others. No limit without a number.
+    pub most: Option<u32>,
+    /// Draws casters of the caller's own over each map that is made anew, see [`CasterPass`]. To be given at every recording:
+    /// a map that is made without it lacks them. [`Casters::touch`] says that they have changed.
+    pub draw: Option<&'a mut dyn FnMut(&mut CasterPass)>,
+}
+
+/// A map that is drawn in one go, or as many as there are stretches of chunks.
+struct Pass {
+    /// Number of the light among those of the recording.
+    number: u32,
+    layer: u32,
+    light: PointLight,
+    target: Target,
+    /// Drawn over a copy of the map of the static casters.
+    over_static: bool,
+    jobs: Range<u32>,
+}
+
 /// Bind groups over the casters' buffers, and of which casters, masked ones among them or not.
 #[derive(Debug)]
 struct Groups {
@@ -109,25 +133,12 @@ struct Groups {
     masked: Option<masked::Groups>,
 }
 
-/// Chunks that are drawn together.
-#[derive(Debug, Clone)]
-struct Share {
-    chunks: Range<u32>,
-    masked: bool,
-}
-
-impl Share {
-    /// As [`Job::kinds`].
-    fn kinds(&self) -> u32 {
-        if self.masked { 0b1100 } else { 0b0011 }
-    }
-}
-
 impl PointShadows {
     /// Creates maps for `descriptor.capacity` lights. Needs no optional feature.
     ///
     /// # Errors
-    /// [`Error::InvalidDescriptor`] for a value out of range or more than the device's limits allow.
+    /// [`Error::InvalidDescriptor`] for a value out of range or more than the device's limits allow, or
+    /// [`Error::DeviceLost`].
     pub fn new(device: &wgpu::Device, descriptor: &PointShadowsDescriptor) -> Result<Self, Error> {
         Self::with_rejection(device, descriptor, true)
     }
@@ -144,19 +155,18 @@ impl PointShadows {
 
     fn with_rejection(device: &wgpu::Device, descriptor: &PointShadowsDescriptor, reject: bool) -> Result<Self, Error> {
         validate(descriptor, &device.limits())?;
-        let PointShadowsDescriptor { capacity, resolution, tolerance, guard } = *descriptor;
+        gpu::check(device)?;
+        let PointShadowsDescriptor { capacity, resolution, tolerance, guard, keep_static } = *descriptor;
         let shape = MapShape::new(resolution, guard, tolerance);
-        let maps = create_maps(device, capacity, resolution);
-        let layers = (0..capacity).map(|layer| layer_view(&maps, layer)).collect();
+        let maps = Maps::new(device, capacity, resolution, keep_static);
         Ok(Self {
             shape,
             capacity,
             lights: Slots::new("light", "PointShadows"),
             removed: Vec::new(),
             seen: None,
-            lookup: Lookup::new(device, &maps),
+            lookup: Lookup::new(device, maps.live()),
             maps,
-            layers,
             route: Route::new(device, reject),
             split: Split::new(device, reject),
             depth: Depth::new(device, capacity),
@@ -176,7 +186,8 @@ impl PointShadows {
         self.until = stage;
     }
 
-    /// Adds a light; its map is made at the next [`Self::record`], and until then it has the place's old one.
+    /// Adds a light; its map is made at the next [`Self::record`], and until then it has what its place last had. Where a
+    /// [limit](RecordOptions::most) puts it off, it lights nothing in the meantime.
     ///
     /// # Errors
     /// [`Error::InvalidLight`], or [`Error::CapacityExceeded`].
@@ -185,7 +196,7 @@ impl PointShadows {
         if self.lights.count() == self.capacity {
             return Err(Error::CapacityExceeded { capacity: self.capacity });
         }
-        Ok(LightId(self.lights.insert(Light { light, stale: true })))
+        Ok(LightId(self.lights.insert(Light::new(light))))
     }
 
     /// Changes a light. Setting what it is already costs nothing.
@@ -194,11 +205,19 @@ impl PointShadows {
     /// [`Error::InvalidLight`] or [`Error::StaleHandle`]; the light stays as it was.
     pub fn set(&mut self, id: LightId, light: PointLight) -> Result<(), Error> {
         light.validate()?;
-        let entry = self.lights.get_mut(id.0)?;
-        if entry.light != light {
-            *entry = Light { light, stale: true };
-        }
+        self.lights.get_mut(id.0)?.set(light);
         Ok(())
+    }
+
+    /// How much sooner than others a light's map is made anew where [`RecordOptions::most`] doesn't allow all: twice the
+    /// priority is as good as having waited for twice as many recordings. While all maps are stale all the time, a light
+    /// waits for about as many recordings as the sum of all priorities over its own and over the limit: long for the least,
+    /// but not for ever. Finite, above 0; 1 without being set. The light's share of the picture is a good one.
+    ///
+    /// # Errors
+    /// [`Error::InvalidLight`] or [`Error::StaleHandle`].
+    pub fn set_priority(&mut self, id: LightId, priority: f32) -> Result<(), Error> {
+        self.lights.get_mut(id.0)?.set_priority(priority)
     }
 
     /// Removes a light. From the next [`Self::record`] on its index lights nothing.
@@ -216,31 +235,49 @@ impl PointShadows {
     ///
     /// Its cost on the CPU doesn't depend on how many triangles or instances there are, only on the stale lights
     /// and on what has changed. Submit the encoder before the next call.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`].
     pub fn record(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         casters: &mut Casters,
-    ) -> u32 {
+    ) -> Result<u32, Error> {
+        self.record_with(device, queue, encoder, casters, RecordOptions::default())
+    }
+
+    /// [`Self::record`] with more to choose.
+    ///
+    /// # Errors
+    /// As [`Self::record`].
+    pub fn record_with(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        casters: &mut Casters,
+        options: RecordOptions,
+    ) -> Result<u32, Error> {
+        gpu::check(device)?;
         casters.update(device, queue, encoder);
         self.mark_touched(casters);
         self.read_demand();
+        let RecordOptions { most, draw } = options;
+        let due = schedule::take(&mut self.lights, most);
         for layer in std::mem::take(&mut self.removed) {
-            self.lookup.write(queue, layer, None, &self.shape);
+            self.lookup.set(layer, None, &self.shape);
         }
-        let mut stale = Vec::new();
-        for (layer, entry) in self.lights.iter_mut() {
-            if std::mem::take(&mut entry.stale) {
-                self.lookup.write(queue, layer, Some(&entry.light), &self.shape);
-                stale.push((layer, entry.light));
-            }
+        for Due { layer, light, .. } in &due {
+            self.lookup.set(*layer, Some(light), &self.shape);
         }
-        if !stale.is_empty() {
-            self.record_lights(device, queue, encoder, casters, &stale);
+        self.lookup.write(queue);
+        if !due.is_empty() {
+            self.record_lights(device, queue, encoder, casters, &due, draw);
             self.demand.record(encoder, &self.arguments, self.jobs);
         }
-        stale.len() as u32
+        Ok(due.len() as u32)
     }
 
     /// If pieces found no room in an earlier recording, sees to it that they do now.
@@ -248,7 +285,7 @@ impl PointShadows {
         let Some(wanted) = self.demand.take() else { return };
         self.wanted = self.wanted.max(wanted);
         if wanted > self.split.capacity() {
-            self.lights.iter_mut().for_each(|(_, entry)| entry.stale = true);
+            self.lights.iter_mut().for_each(|(_, entry)| entry.outdate());
         }
     }
 
@@ -260,11 +297,17 @@ impl PointShadows {
             return;
         }
         let remembered = seen.filter(|(owner, _)| *owner == now.0).map(|(_, count)| count);
-        for (_, entry) in self.lights.iter_mut() {
-            let changes = remembered.and_then(|count| casters.changes_since(count));
-            let reach = |bounds| touches(&entry.light, bounds);
-            entry.stale = entry.stale
-                || changes.is_none_or(|mut all| all.any(|change| reach(&change.before) || reach(&change.after)));
+        let Some(changes) = remembered.and_then(|count| casters.changes_since(count)) else {
+            self.lights.iter_mut().for_each(|(_, entry)| entry.outdate());
+            return;
+        };
+        // There may be many times more changes than lights: they are gone through once.
+        let mut open: Vec<&mut Light> = self.lights.iter_mut().map(|(_, entry)| entry).collect();
+        for change in changes {
+            if open.is_empty() {
+                break;
+            }
+            open.retain_mut(|entry| entry.touch(change, self.maps.keep_static()));
         }
     }
 
@@ -274,24 +317,63 @@ impl PointShadows {
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         casters: &Casters,
-        stale: &[(u32, PointLight)],
+        due: &[Due],
+        mut draw: Option<&mut dyn FnMut(&mut CasterPass)>,
     ) {
         let replaced = self.route.fit(device, casters) | self.split.fit(device, &self.shape, self.wanted);
-        let shares = self.shares(casters);
-        let jobs: Vec<Job> = stale
-            .iter()
-            .flat_map(|&(_, light)| {
-                shares.iter().map(move |share| Job { light, chunks: share.chunks.clone(), kinds: share.kinds() })
-            })
-            .collect();
+        let (passes, jobs) = self.plan(casters, due);
         self.write_jobs(device, queue, &jobs);
         let key = (casters.owner(), casters.generation(), casters.has_masked());
         if replaced || self.groups.as_ref().is_none_or(|groups| groups.key != key) {
             self.groups = Some(self.bind(device, casters, key));
         }
         let Some(groups) = &self.groups else { return };
-        let lights: Vec<PointLight> = stale.iter().map(|(_, light)| *light).collect();
+        let lights: Vec<PointLight> = due.iter().map(|due| due.light).collect();
         self.depth.write_views(queue, &lights, &self.shape);
+        for pass in &passes {
+            self.record_pass(encoder, casters, groups, pass, &jobs);
+            if let (Target::Live, Stage::Depth, Some(draw)) = (pass.target, self.until, draw.as_deref_mut()) {
+                let target = self.maps.layer(pass.target, pass.layer);
+                self.depth.record_custom(encoder, target, &self.shape, &pass.light, pass.number, draw);
+            }
+        }
+    }
+
+    /// The passes that make the maps, and their jobs.
+    fn plan(&self, casters: &Casters, due: &[Due]) -> (Vec<Pass>, Vec<Job>) {
+        let stretches = self.route.stretches(casters);
+        let drawn_apart = if casters.has_masked() { &[view::OPAQUE, view::MASKED][..] } else { &[view::OPAQUE] };
+        let (mut passes, mut jobs) = (Vec::new(), Vec::new());
+        let mut add = |number, due: &Due, target, kinds, over_static| {
+            let Due { layer, light, .. } = *due;
+            let first = jobs.len() as u32;
+            if kinds != view::MOVING || casters.any_moving() {
+                let job = |chunks: &Range<u32>, of| Job { light, chunks: chunks.clone(), kinds: kinds & of };
+                jobs.extend(stretches.iter().flat_map(|chunks| drawn_apart.iter().map(move |of| job(chunks, of))));
+            }
+            passes.push(Pass { number, layer, light, target, over_static, jobs: first..jobs.len() as u32 });
+        };
+        for (number, due) in (0..).zip(due) {
+            if !self.maps.keep_static() {
+                add(number, due, Target::Live, view::STATIC | view::MOVING, false);
+                continue;
+            }
+            if due.stale == Stale::Everything {
+                add(number, due, Target::Static, view::STATIC, false);
+            }
+            add(number, due, Target::Live, view::MOVING, true);
+        }
+        (passes, jobs)
+    }
+
+    fn record_pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        casters: &Casters,
+        groups: &Groups,
+        pass: &Pass,
+        jobs: &[Job],
+    ) {
         let sources = Sources {
             vertices: casters.vertices.buffer(),
             lists: self.route.lists(),
@@ -300,38 +382,32 @@ impl PointShadows {
             exact: &groups.exact,
             masked: None,
         };
-        for (number, (layer, light)) in (0..).zip(stale) {
-            let target = &self.layers[*layer as usize];
-            let draw = |encoder: &mut _, job, masked: bool, clear| {
-                let sources = Sources { masked: groups.masked.as_ref().filter(|_| masked), ..sources };
-                self.depth.record(encoder, target, &sources, &self.shape, light.coverage, number, job, clear);
-            };
-            if shares.is_empty() {
-                draw(encoder, None, false, true);
+        let target = self.maps.layer(pass.target, pass.layer);
+        let draw = |encoder: &mut _, job, masked: bool, clear| {
+            let sources = Sources { masked: groups.masked.as_ref().filter(|_| masked), ..sources };
+            self.depth.record(encoder, target, &sources, &self.shape, pass.light.coverage, pass.number, job, clear);
+        };
+        if pass.over_static && self.until >= Stage::Depth {
+            self.maps.copy_static(encoder, pass.layer);
+        }
+        if pass.jobs.is_empty() && !pass.over_static {
+            draw(encoder, None, false, true);
+        }
+        for number in pass.jobs.clone() {
+            let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("dual_paraboloid::route and split"),
+                timestamp_writes: None,
+            });
+            let job = &jobs[number as usize];
+            self.route.record(&mut compute, &groups.route, number, job.chunks.len() as u32);
+            if self.until >= Stage::Split {
+                self.split.record(&mut compute, &groups.split, number);
             }
-            for (part, share) in (0..).zip(&shares) {
-                let job = number * shares.len() as u32 + part;
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                    label: Some("dual_paraboloid::route and split"),
-                    timestamp_writes: None,
-                });
-                self.route.record(&mut pass, &groups.route, job, share.chunks.len() as u32);
-                if self.until >= Stage::Split {
-                    self.split.record(&mut pass, &groups.split, job);
-                }
-                drop(pass);
-                if self.until >= Stage::Depth {
-                    draw(encoder, Some(job), share.masked, part == 0);
-                }
+            drop(compute);
+            if self.until >= Stage::Depth {
+                draw(encoder, Some(number), job.is_masked(), number == pass.jobs.start && !pass.over_static);
             }
         }
-    }
-
-    /// What a light's map is made of, one job each: masked casters after the others of the same chunks.
-    fn shares(&self, casters: &Casters) -> Vec<Share> {
-        let masks = if casters.has_masked() { &[false, true][..] } else { &[false] };
-        let stretches = self.route.stretches(casters).into_iter();
-        stretches.flat_map(|chunks| masks.iter().map(move |&masked| Share { chunks: chunks.clone(), masked })).collect()
     }
 
     /// Writes each job's view and its counters' start, growing the buffers if there are more jobs than ever.
@@ -378,6 +454,20 @@ impl PointShadows {
         self.lookup.layout()
     }
 
+    /// Layout of the group that the text of [`wgsl::caster`](crate::wgsl::caster) reads, for the pipelines of
+    /// [casters that the caller draws](CasterPass).
+    #[must_use]
+    pub fn caster_bind_group_layout(&self) -> &wgpu::BindGroupLayout {
+        self.depth.layout()
+    }
+
+    /// The longest edge, as the angle in radians that it spans at the light, that [casters that the caller
+    /// draws](CasterPass) may have and be as exact as all others: 1.2 degrees at 1024 texels and a tolerance of a tenth.
+    #[must_use]
+    pub fn caster_angle_limit(&self) -> f32 {
+        self.shape.angle_limit()
+    }
+
     /// What the text of [`wgsl::lookup`](crate::wgsl::lookup) reads. Stays the same object for ever.
     #[must_use]
     pub fn bind_group(&self) -> &wgpu::BindGroup {
@@ -388,7 +478,7 @@ impl PointShadows {
     /// the back one in its right. The depth is `near / w`, see [`paraboloid::depth`](crate::paraboloid::depth).
     #[must_use]
     pub fn maps(&self) -> &wgpu::Texture {
-        &self.maps
+        self.maps.live()
     }
 
     /// Half a map's width in map coordinates, `1 + g`: the unit disc and the guard band around it.
@@ -410,17 +500,14 @@ impl PointShadows {
         self.shape.depth_tolerance()
     }
 
-    /// Bytes on the GPU: the maps, and the lists that the lights share.
+    /// Bytes on the GPU: the maps, twice with [`keep_static`](PointShadowsDescriptor::keep_static), and what the lights
+    /// share: what the busiest one needs, and a few KiB for each.
     #[must_use]
     pub fn memory(&self) -> u64 {
-        let texels = u64::from(self.maps.width()) * u64::from(self.maps.height()) * u64::from(self.capacity);
-        4 * texels + self.route.lists().size() + self.split.pieces().size() + self.views.size() + self.arguments.size()
+        let own = self.views.size() + self.arguments.size();
+        let stages = self.route.memory() + self.split.memory() + self.depth.memory();
+        self.maps.memory() + own + stages + self.demand.memory() + self.lookup.memory()
     }
-}
-
-/// Whether a light's map may show something within the bounds.
-fn touches(light: &PointLight, bounds: &Option<crate::chunks::Bounds>) -> bool {
-    bounds.is_some_and(|bounds| bounds.touches_sphere(light.position, light.range * 1.0001))
 }
 
 fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Result<(), Error> {
@@ -428,7 +515,7 @@ fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Resul
         if ok { Ok(()) } else { Err(Error::InvalidDescriptor { what, value, remedy }) }
     };
     let (widest, layers) = (limits.max_texture_dimension_2d, limits.max_texture_array_layers);
-    let PointShadowsDescriptor { capacity, resolution, tolerance, guard } = *descriptor;
+    let PointShadowsDescriptor { capacity, resolution, tolerance, guard, .. } = *descriptor;
     let room = format!("it must be 1 to {layers}, the device's limit of texture layers");
     check((1..=layers).contains(&capacity), "capacity", capacity.to_string(), room)?;
     let room = format!("it must be 1 to {}, half the width of the device's largest texture", widest / 2);
@@ -437,31 +524,6 @@ fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Resul
     check((0.01..=1.0).contains(&tolerance), "tolerance", tolerance.to_string(), room)?;
     let room = "it must be 1 to 16 texels".to_owned();
     check((1.0..=16.0).contains(&guard), "guard", guard.to_string(), room)
-}
-
-fn create_maps(device: &wgpu::Device, capacity: u32, resolution: u32) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("dual_paraboloid::maps"),
-        size: wgpu::Extent3d { width: 2 * resolution, height: resolution, depth_or_array_layers: capacity },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Depth32Float,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
-}
-
-fn layer_view(maps: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
-    maps.create_view(&wgpu::TextureViewDescriptor {
-        label: Some("dual_paraboloid::depth::layer"),
-        dimension: Some(wgpu::TextureViewDimension::D2),
-        base_array_layer: layer,
-        array_layer_count: Some(1),
-        ..Default::default()
-    })
 }
 
 fn job_buffer(device: &wgpu::Device, what: &str, jobs: u32, usage: wgpu::BufferUsages) -> wgpu::Buffer {

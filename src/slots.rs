@@ -78,11 +78,6 @@ impl<T> Slots<T> {
         self.slots.iter().flatten().count() as u32
     }
 
-    /// Slots in use, unused ones between used ones included.
-    pub(crate) fn len(&self) -> u32 {
-        self.ranges.end()
-    }
-
     /// The values with their slots.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut T)> {
         self.slots.iter_mut().enumerate().filter_map(|(slot, entry)| entry.as_mut().map(|(_, v)| (slot as u32, v)))

@@ -81,6 +81,10 @@ impl Split {
         self.capacity
     }
 
+    pub(crate) fn memory(&self) -> u64 {
+        self.pieces.size() + self.parts.size()
+    }
+
     pub(crate) fn bind_group(
         &self,
         device: &wgpu::Device,

@@ -44,6 +44,14 @@ impl MapShape {
         0.5 * self.tolerance
     }
 
+    /// The angle in radians that edges may span which are drawn without being looked at: then they bend by no more than
+    /// those of triangles that the route draws whole.
+    pub(crate) fn angle_limit(&self) -> f32 {
+        // An edge that touches the map ends this far out at most, where an angle takes up more of the map than at the rim.
+        let r = self.half_width + paraboloid::LONGEST_EDGE;
+        paraboloid::angle_limit(self.texels(), 0.375 * self.tolerance) / (0.5 + 0.5 * r * r)
+    }
+
     /// Cosine of the angle behind which nothing can touch the map: a texel and a half outside, so that chords of
     /// what is drawn don't open the rim.
     fn behind(&self) -> f32 {
@@ -96,6 +104,15 @@ pub(crate) struct Capacities {
     pub(crate) pieces: u32,
 }
 
+/// Bits of [`Job::kinds`]: bit 0 of a chunk's kind says that its instance is marked as moving.
+pub(crate) const STATIC: u32 = 0b0101;
+/// The others.
+pub(crate) const MOVING: u32 = 0b1010;
+/// The same: bit 1 says that its mesh has holes.
+pub(crate) const OPAQUE: u32 = 0b0011;
+/// See [`OPAQUE`].
+pub(crate) const MASKED: u32 = 0b1100;
+
 /// What one run of the stages goes through for a light.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Job {
@@ -103,6 +120,13 @@ pub(crate) struct Job {
     pub(crate) chunks: Range<u32>,
     /// Bit k stands for chunks of kind k.
     pub(crate) kinds: u32,
+}
+
+impl Job {
+    /// Whether it is of casters with holes.
+    pub(crate) fn is_masked(&self) -> bool {
+        self.kinds & OPAQUE == 0
+    }
 }
 
 impl View {

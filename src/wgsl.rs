@@ -11,6 +11,7 @@ const SPLIT: &str = include_str!("../shaders/split.wgsl");
 const MASK: &str = include_str!("../shaders/mask.wgsl");
 const MASK_COPY: &str = include_str!("../shaders/mask_copy.wgsl");
 const MASKED: &str = include_str!("../shaders/masked.wgsl");
+const HEMISPHERE: &str = include_str!("../shaders/hemisphere.wgsl");
 const DEPTH: &str = include_str!("../shaders/depth.wgsl");
 const EXACT: &str = include_str!("../shaders/exact.wgsl");
 const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
@@ -21,6 +22,15 @@ const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
 #[must_use]
 pub fn lookup(group: u32) -> String {
     [PARABOLOID, &LOOKUP.replace("DP_GROUP", &group.to_string())].concat()
+}
+
+/// WGSL to put before or after a vertex shader that draws casters of its own, for
+/// `dp_caster_position(world_position) -> vec4<f32>`: the clip position in the hemisphere that is being drawn. `group` is
+/// the number for [`CasterPass::bind`](crate::CasterPass::bind). Everything it declares begins with `dp_` or `Dp`, and it
+/// declares no other binding.
+#[must_use]
+pub fn caster(group: u32) -> String {
+    [PARABOLOID, &HEMISPHERE.replace("DP_GROUP", &group.to_string())].concat()
 }
 
 /// WGSL of the mapping alone: the functions of [`paraboloid`](crate::paraboloid) with the prefix `dp_`.
@@ -46,7 +56,7 @@ pub(crate) fn split() -> String {
 }
 
 pub(crate) fn depth() -> String {
-    [PARABOLOID, DEPTH].concat()
+    [&caster(0), DEPTH].concat()
 }
 
 pub(crate) fn exact() -> String {
@@ -58,7 +68,7 @@ pub(crate) fn mask_copy() -> String {
 }
 
 pub(crate) fn masked() -> String {
-    [PARABOLOID, CASTERS, MASK, DEPTH, MASKED].concat()
+    [&caster(0), CASTERS, MASK, DEPTH, MASKED].concat()
 }
 
 /// Name and text of every complete module that the library compiles, and of the lookup under group 0; for checking
@@ -71,6 +81,7 @@ pub fn modules() -> Vec<(&'static str, String)> {
         ("route", route()),
         ("split", split()),
         ("depth", depth()),
+        ("caster", caster(0)),
         ("exact", exact()),
         ("mask_copy", mask_copy()),
         ("masked", masked()),

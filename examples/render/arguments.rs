@@ -1,6 +1,7 @@
 //! The command line.
 
-use clap::{Parser, ValueEnum};
+use crate::camera::View;
+use clap::Parser;
 use glam::{UVec2, Vec3};
 use std::path::PathBuf;
 
@@ -41,19 +42,6 @@ pub struct Arguments {
     /// Where to write the picture; folders are made
     #[arg(short, long, value_name = "OUT.png", default_value = "out/render.png")]
     pub output: PathBuf,
-}
-
-/// What the picture shows. The numbers are those of `VIEW_...` in `shading.wgsl`.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum View {
-    /// The scene, lit
-    Lit = 0,
-    /// Only the share of light that arrives, over all lights
-    Shadow = 1,
-    /// Lit, with the first light's front hemisphere in orange and its back one in blue
-    Hemisphere = 2,
-    /// Lit, with the texels of the first light's maps as a checkerboard
-    Texels = 3,
 }
 
 fn point(text: &str) -> Result<Vec3, String> {

@@ -1,13 +1,12 @@
 //! The camera's pass and the picture that comes of it.
 
-use crate::arguments::View;
-use crate::lighting::Light;
 use crate::model::{Culling, Model, VERTEX_LAYOUTS};
 use anyhow::ensure;
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
+use clap::ValueEnum;
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::scene::Camera;
-use dual_paraboloid::{LightId, PointShadows};
+use dual_paraboloid::{LightId, PointLight, PointShadows};
 use glam::{Mat4, UVec2, Vec3, camera::rh};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
@@ -43,6 +42,26 @@ struct LightRecord {
 struct Development {
     exposure: f32,
     tone_mapping: f32,
+}
+
+/// What the picture shows. The numbers are those of `VIEW_...` in `shading.wgsl`.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum View {
+    /// The scene, lit
+    Lit = 0,
+    /// Only the share of light that arrives, over all lights
+    Shadow = 1,
+    /// Lit, with the first light's front hemisphere in orange and its back one in blue
+    Hemisphere = 2,
+    /// Lit, with the texels of the first light's maps as a checkerboard
+    Texels = 3,
+}
+
+/// A light to render with.
+pub struct Light {
+    pub shadow: PointLight,
+    /// Linear RGB of the radiant intensity, in a unit that suits the scene's size.
+    pub intensity: Vec3,
 }
 
 /// What to take a picture of.

@@ -1,6 +1,7 @@
 //! Which lights there are, and how bright.
 
 use crate::arguments::Arguments;
+use crate::camera::Light;
 use dual_paraboloid::PointLight;
 use dual_paraboloid::compare::scene::{Scene, SceneLight};
 use glam::Vec3;
@@ -9,13 +10,6 @@ use glam::Vec3;
 const COLOR: [f32; 3] = [1.0, 0.92, 0.8];
 /// Casters this close to a light, as a share of its range, are cut away. It costs no precision, so it is tiny.
 const NEAR: f32 = 1e-5;
-
-/// A light to render with.
-pub struct Light {
-    pub shadow: PointLight,
-    /// Linear RGB of the radiant intensity, in a unit that suits the scene's size.
-    pub intensity: Vec3,
-}
 
 /// The lights, and who chose them.
 pub fn choose(arguments: &Arguments, scene: &Scene) -> (Vec<Light>, &'static str) {

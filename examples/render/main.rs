@@ -9,6 +9,7 @@ mod model;
 
 use anyhow::{anyhow, ensure};
 use arguments::Arguments;
+use camera::Light;
 use clap::Parser;
 use dual_paraboloid::compare::gpu::{Gpu, Statistics};
 use dual_paraboloid::compare::procedural::{hall, hall_camera, shapes};
@@ -16,7 +17,6 @@ use dual_paraboloid::compare::scene::{Camera, Material, Scene, SceneInstance, Sc
 use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::{Casters, LightId, PointLight, PointShadows, PointShadowsDescriptor, Sides};
 use glam::{Affine3A, Quat, Vec3};
-use lighting::Light;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -130,13 +130,11 @@ fn make_maps(
 ) -> anyhow::Result<()> {
     let mut record = |shadows: &mut PointShadows| {
         let start = Instant::now();
-        gpu.submit(|encoder| {
-            shadows.record(&gpu.device, &gpu.queue, encoder, casters);
-        });
+        gpu.submit(|encoder| shadows.record(&gpu.device, &gpu.queue, encoder, casters))?;
         gpu.wait();
-        start.elapsed()
+        anyhow::Ok(start.elapsed())
     };
-    let first = record(shadows);
+    let first = record(shadows)?;
     let started = Instant::now();
     let mut again = Vec::new();
     // An even number of times: every other time the lights are as they should be.
@@ -146,7 +144,7 @@ fn make_maps(
             let near = if again.len() % 2 == 0 { 1.000_001 } else { 1.0 };
             shadows.set(*id, PointLight { near: light.shadow.near * near, ..light.shadow })?;
         }
-        again.push(record(shadows));
+        again.push(record(shadows)?);
     }
     again.sort();
     println!(

@@ -71,11 +71,12 @@ impl Gpu {
         format!("{} ({} {})", self.info.name, self.info.driver, self.info.driver_info).replace(" )", ")")
     }
 
-    /// Encodes and submits.
-    pub fn submit(&self, encode: impl FnOnce(&mut wgpu::CommandEncoder)) {
+    /// Encodes and submits, and returns what the encoding did.
+    pub fn submit<T>(&self, encode: impl FnOnce(&mut wgpu::CommandEncoder) -> T) -> T {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encode(&mut encoder);
+        let result = encode(&mut encoder);
         self.queue.submit([encoder.finish()]);
+        result
     }
 
     /// Does something that may ask for more than the device has, and returns the device's first complaint, if any.

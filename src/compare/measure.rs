@@ -132,9 +132,7 @@ impl Made {
         fill(&mut casters, gpu, scene, Sides::Auto)?;
         let mut shadows = PointShadows::new(&gpu.device, descriptor)?;
         let light = shadows.add(light)?;
-        gpu.submit(|encoder| {
-            shadows.record(&gpu.device, &gpu.queue, encoder, &mut casters);
-        });
+        gpu.submit(|encoder| shadows.record(&gpu.device, &gpu.queue, encoder, &mut casters))?;
         Ok(Self { casters, shadows, light })
     }
 

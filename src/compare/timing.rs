@@ -133,7 +133,10 @@ impl<'a> Timer<'a> {
     }
 
     /// Times of the device and of the host for recording and doing something once.
-    fn once(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> (Duration, Duration) {
+    ///
+    /// # Panics
+    /// If the device is lost.
+    pub fn once(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> (Duration, Duration) {
         // What is left over from before must not count.
         self.gpu.wait();
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -33,8 +33,7 @@ pub fn descriptor(resolution: u32) -> PointShadowsDescriptor {
 pub fn record(mut shadows: PointShadows, casters: &mut Casters, light: PointLight) -> (PointShadows, LightId) {
     let id = shadows.add(light).unwrap();
     let mut again = || {
-        let mut count = 0;
-        gpu().submit(|encoder| count = shadows.record(&gpu().device, &gpu().queue, encoder, casters));
+        let count = gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, casters)).unwrap();
         gpu().wait();
         count
     };

@@ -106,7 +106,7 @@ fn record(shadows: &mut PointShadows, casters: &mut Casters, before: impl FnOnce
     let mut count = 0;
     gpu().submit(|encoder| {
         before(encoder);
-        count = shadows.record(&gpu().device, &gpu().queue, encoder, casters);
+        count = shadows.record(&gpu().device, &gpu().queue, encoder, casters).unwrap();
     });
     gpu().wait();
     count

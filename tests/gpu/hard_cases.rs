@@ -95,9 +95,7 @@ pub fn made(scene: &Scene, light: PointLight, resolution: u32) -> Made {
     let mut made = Made::new(gpu(), scene, light, &descriptor(resolution)).unwrap();
     gpu().wait();
     // A second time where there wasn't room for all pieces.
-    gpu().submit(|encoder| {
-        made.shadows.record(&gpu().device, &gpu().queue, encoder, &mut made.casters);
-    });
+    gpu().submit(|encoder| made.shadows.record(&gpu().device, &gpu().queue, encoder, &mut made.casters)).unwrap();
     made
 }
 

@@ -3,12 +3,16 @@
 
 mod analytic;
 mod axis;
+mod caching;
 mod common;
+mod custom;
 mod deforming;
 mod degenerate;
+mod device_loss;
 mod hard_cases;
 mod mapping;
 mod masked;
+mod memory;
 mod misuse;
 mod routing;
 mod seam;

@@ -175,7 +175,7 @@ fn each_light_has_its_own_map() {
     let ids = lights.map(|light| shadows.add(light).unwrap());
     for _ in 0..2 {
         gpu().submit(|encoder| {
-            shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters);
+            shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters).unwrap();
         });
         gpu().wait();
     }
@@ -273,7 +273,7 @@ fn more_pieces_than_room_are_drawn_exactly() {
     let id = shadows.add(PointLight { range: 1e7, ..Default::default() }).unwrap();
     let mut next = || {
         gpu().submit(|encoder| {
-            shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters);
+            shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters).unwrap();
         });
         gpu().wait();
         let without_room: u32 = gpu().statistics(&shadows).without_room[0];

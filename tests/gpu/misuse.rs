@@ -46,6 +46,7 @@ fn handles_and_transforms() {
     casters.remove_instance(instance).unwrap();
     let stale = casters.remove_instance(instance).unwrap_err();
     assert!(matches!(stale, Error::StaleHandle { what: "instance", .. }), "{stale}");
+    assert_eq!(casters.set_moving(instance, true), Err(stale));
     let again = casters.add_instance(id, Affine3A::IDENTITY).unwrap();
     assert!(casters.set_transform(instance, Affine3A::IDENTITY).is_err(), "an old handle came alive again");
     casters.remove_instance(again).unwrap();
@@ -79,15 +80,19 @@ fn lights() {
     }
     assert_eq!(shadows.add(good), Err(Error::CapacityExceeded { capacity: 1 }));
     let mut count = |shadows: &mut PointShadows| {
-        let mut count = 0;
-        gpu().submit(|encoder| count = shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters));
-        count
+        gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters)).unwrap()
     };
     assert_eq!(count(&mut shadows), 0, "refused values made the light stale");
+    for priority in [0.0, f32::NAN] {
+        let refused = shadows.set_priority(id, priority);
+        assert!(matches!(refused, Err(Error::InvalidLight { what: "priority", .. })), "{refused:?}");
+    }
+    shadows.set_priority(id, 2.0).unwrap();
     shadows.set(id, good).unwrap();
     assert_eq!(count(&mut shadows), 0, "the same values made the light stale");
     shadows.remove(id).unwrap();
     assert!(matches!(shadows.set(id, good), Err(Error::StaleHandle { what: "light", .. })));
+    assert!(matches!(shadows.set_priority(id, 1.0), Err(Error::StaleHandle { what: "light", .. })));
     assert_eq!(gpu().shadow_values(&shadows, id, &[(Vec3::X, Vec3::X)]), [1.0], "not recorded yet");
     assert_eq!(count(&mut shadows), 0);
     assert_eq!(gpu().shadow_values(&shadows, id, &[(Vec3::X, Vec3::X)]), [0.0], "a light that is gone lights nothing");

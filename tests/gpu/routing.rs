@@ -132,9 +132,7 @@ fn more_pieces_than_room_are_drawn_exactly() {
     let mut shadows = PointShadows::new(&gpu().device, &descriptor(64)).unwrap();
     let id = shadows.add(light).unwrap();
     let mut next = || {
-        gpu().submit(|encoder| {
-            shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters);
-        });
+        gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters)).unwrap();
         gpu().wait();
         (Map::read(&shadows, id), gpu().statistics(&shadows).without_room[0])
     };

@@ -32,7 +32,7 @@ impl Pair {
         let other = PointLight { near: 0.5 * light.near, ..*light };
         self.shadows.set(self.light, other)?;
         self.shadows.set(self.light, *light)?;
-        let made = self.shadows.record(device, queue, encoder, casters);
+        let made = self.shadows.record(device, queue, encoder, casters)?;
         debug_assert_eq!(made, 1, "the map was taken for fresh");
         Ok(())
     }

@@ -19,6 +19,8 @@ pub struct SceneBuffers {
     group: wgpu::BindGroup,
     meshes: Vec<MeshRange>,
     placed: Vec<Placed>,
+    /// The scene's instance that each of `placed` is, and its mesh's box.
+    sources: Vec<Source>,
     bounds: (Vec3, Vec3),
     back_faces_culled: bool,
 }
@@ -39,6 +41,14 @@ pub(super) struct Placed {
     pub(super) bounds: OrientedBox,
 }
 
+/// What an instance is placed from.
+#[derive(Debug, Clone, Copy)]
+struct Source {
+    instance: usize,
+    low: Vec3,
+    high: Vec3,
+}
+
 impl Placed {
     /// Whether one call can draw both.
     pub(super) fn joins(&self, other: &Self) -> bool {
@@ -56,16 +66,21 @@ impl SceneBuffers {
         let (positions, indices, meshes) = join_meshes(&scene.meshes);
         let boxes: Vec<_> = scene.meshes.iter().map(mesh_bounds).collect();
         // Meshes without triangles have no box and are left out.
-        let drawn = scene
-            .instances
-            .iter()
-            .filter_map(|instance| Some((instance.mesh, instance.transform, boxes[instance.mesh]?)));
-        let mut placed: Vec<(Placed, Affine3A)> =
-            drawn.map(|(mesh, transform, (low, high))| (place(mesh, low, high, &transform), transform)).collect();
-        placed.sort_by_key(|(placed, _)| (placed.mirrored, placed.mesh));
-        let rows: Vec<[[f32; 4]; 3]> = placed.iter().map(|(_, transform)| rows(transform)).collect();
-        let placed: Vec<Placed> = placed.into_iter().map(|(placed, _)| placed).collect();
-        let transforms = upload(device, "transforms", &rows, wgpu::BufferUsages::STORAGE)?;
+        let drawn =
+            scene.instances.iter().enumerate().filter_map(|(number, instance)| {
+                Some((number, instance.mesh, instance.transform, boxes[instance.mesh]?))
+            });
+        let mut drawn: Vec<(Placed, Source)> = drawn
+            .map(|(instance, mesh, transform, (low, high))| {
+                (place(mesh, low, high, &transform), Source { instance, low, high })
+            })
+            .collect();
+        drawn.sort_by_key(|(placed, _)| (placed.mirrored, placed.mesh));
+        let (placed, sources): (Vec<Placed>, Vec<Source>) = drawn.into_iter().unzip();
+        let rows: Vec<[[f32; 4]; 3]> =
+            sources.iter().map(|source| rows(&scene.instances[source.instance].transform)).collect();
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let transforms = upload(device, "transforms", &rows, usage)?;
         let layout = Self::layout(device);
         let group = gpu::bind_group(device, "compare::scene", &layout, &[transforms.as_entire_binding()]);
         let bounds = placed.iter().map(|placed| placed.bounds.world_bounds());
@@ -77,8 +92,21 @@ impl SceneBuffers {
             meshes,
             bounds: bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default(),
             placed,
+            sources,
             back_faces_culled,
         })
+    }
+
+    /// Moves all instances, given in the scene's order. None may be mirrored that wasn't, nor the other way round.
+    ///
+    /// # Panics
+    /// If there are fewer transforms than instances.
+    pub fn set_transforms(&mut self, queue: &wgpu::Queue, transforms: &[Affine3A]) {
+        for (placed, source) in self.placed.iter_mut().zip(&self.sources) {
+            placed.bounds = OrientedBox::new(source.low, source.high, &transforms[source.instance]);
+        }
+        let rows: Vec<[[f32; 4]; 3]> = self.sources.iter().map(|source| rows(&transforms[source.instance])).collect();
+        queue.write_buffer(&self.transforms, 0, bytemuck::cast_slice(&rows));
     }
 
     /// Layout of the group that holds the transforms.
