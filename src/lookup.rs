@@ -1,6 +1,7 @@
 //! What the lighting pass binds: the maps, and the lights as they were when their maps were made
-//! (`shaders/lookup.wgsl`).
+//! (`shaders/lookup.wgsl`, `shaders/filter.wgsl`).
 
+use crate::filter::FilterRecord;
 use crate::gpu;
 use crate::light::PointLight;
 use crate::view::{MapShape, axes, hemispheres};
@@ -19,7 +20,7 @@ struct LightRecord {
     position: Vec3,
     hemispheres: u32,
     tolerance: f32,
-    padding: [u32; 3],
+    filtering: FilterRecord,
 }
 
 #[derive(Debug)]
@@ -76,7 +77,7 @@ impl Lookup {
                 position: light.position,
                 hemispheres: hemispheres(light.coverage),
                 tolerance: shape.depth_tolerance(),
-                padding: [0; 3],
+                filtering: light.filter.record(),
             }
         });
         queue.write_buffer(&self.lights, u64::from(layer) * size_of_val(&record) as u64, bytemuck::bytes_of(&record));

@@ -52,7 +52,16 @@ impl LightId {
 #[derive(Debug)]
 struct Light {
     light: PointLight,
+    /// Whether its map has to be made.
     stale: bool,
+    /// Whether only the lookup has to be told.
+    refiltered: bool,
+}
+
+impl Light {
+    fn new(light: PointLight) -> Self {
+        Self { light, stale: true, refiltered: false }
+    }
 }
 
 /// Depth maps of point lights, kept up to date with the casters.
@@ -167,18 +176,21 @@ impl PointShadows {
         if self.lights.count() == self.capacity {
             return Err(Error::CapacityExceeded { capacity: self.capacity });
         }
-        Ok(LightId(self.lights.insert(Light { light, stale: true })))
+        Ok(LightId(self.lights.insert(Light::new(light))))
     }
 
-    /// Changes a light. Setting what it is already costs nothing.
+    /// Changes a light. Setting what it is already costs nothing, and another filter alone next to nothing.
     ///
     /// # Errors
     /// [`Error::InvalidLight`] or [`Error::StaleHandle`]; the light stays as it was.
     pub fn set(&mut self, id: LightId, light: PointLight) -> Result<(), Error> {
         light.validate()?;
         let entry = self.lights.get_mut(id.0)?;
-        if entry.light != light {
-            *entry = Light { light, stale: true };
+        if (PointLight { filter: light.filter, ..entry.light }) != light {
+            *entry = Light::new(light);
+        } else if entry.light != light {
+            entry.light = light;
+            entry.refiltered = true;
         }
         Ok(())
     }
@@ -213,8 +225,11 @@ impl PointShadows {
         }
         let mut stale = Vec::new();
         for (layer, entry) in self.lights.iter_mut() {
-            if std::mem::take(&mut entry.stale) {
+            let refiltered = std::mem::take(&mut entry.refiltered);
+            if entry.stale || refiltered {
                 self.lookup.write(queue, layer, Some(&entry.light), &self.shape);
+            }
+            if std::mem::take(&mut entry.stale) {
                 stale.push((layer, entry.light));
             }
         }
