@@ -5,6 +5,7 @@ mod analytic;
 mod axis;
 mod common;
 mod degenerate;
+mod filters;
 mod hard_cases;
 mod mapping;
 mod misuse;
