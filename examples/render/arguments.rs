@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::filter::FilterName;
 use clap::{Parser, ValueEnum};
 use glam::{UVec2, Vec3};
 use std::path::PathBuf;
@@ -20,6 +21,12 @@ pub struct Arguments {
     /// Texels across each hemisphere's map
     #[arg(long, value_name = "N", default_value_t = 1024)]
     pub resolution: u32,
+    /// How soft the shadows are
+    #[arg(long, value_enum, default_value_t = FilterName::Bilinear)]
+    pub filter: FilterName,
+    /// Radius of the lights in world units, for --filter soft. Without it, half a hundredth of their range
+    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    pub light_radius: Option<f32>,
     /// Where the camera is. Without it, where it suits the scene
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub camera: Option<Vec3>,
@@ -54,6 +61,19 @@ pub enum View {
     Hemisphere = 2,
     /// Lit, with the texels of the first light's maps as a checkerboard
     Texels = 3,
+    /// What is in the first light's penumbras, neither lit nor dark
+    Penumbra = 4,
+    /// The depth bias for the first light, from black for none to white for a texel
+    Bias = 5,
+    /// The first light's shadows against ray casting: too light in red, too dark in blue
+    Error = 6,
+}
+
+impl View {
+    /// Whether it shows a figure and not light: then it isn't exposed.
+    pub fn is_figure(self) -> bool {
+        matches!(self, Self::Shadow | Self::Penumbra | Self::Bias)
+    }
 }
 
 fn point(text: &str) -> Result<Vec3, String> {

@@ -75,7 +75,7 @@ pub fn take(gpu: &Gpu, shot: &Shot) -> anyhow::Result<image::RgbImage> {
     let luminance = develop(gpu, &radiance, shot.size, "meter", wgpu::TextureFormat::R32Float, plain);
     let development = Development {
         exposure: exposure(gpu.read_texture(&luminance, 0)),
-        tone_mapping: if shot.view == View::Shadow { 0.0 } else { 1.0 },
+        tone_mapping: if shot.view.is_figure() { 0.0 } else { 1.0 },
     };
     let format = wgpu::TextureFormat::Rgba8UnormSrgb;
     let picture = develop(gpu, &radiance, shot.size, "develop", format, development);
