@@ -1,5 +1,14 @@
 // Lookup: is a point lit? To be pasted into a renderer's shader, together with paraboloid.wgsl.
 
+// How a light is filtered (filter.wgsl); twin of `FilterRecord` in src/filter.rs.
+struct DpFilter {
+    // One of DP_BILINEAR, DP_HARD, ...
+    kind: u32,
+    // Radius: of a disc in radians, of a soft light in world units.
+    size: f32,
+    taps: u32,
+}
+
 // A light as `PointShadows` describes it; twin of `LightRecord` in src/lookup.rs.
 struct DpLight {
     // Rows of the rotation from world to light space.
@@ -13,11 +22,9 @@ struct DpLight {
     position: vec3<f32>,
     // Bit 0 the front hemisphere, bit 1 the back; 0 for no light.
     hemispheres: u32,
-    // Largest bend of a chord, in texels.
+    // How far depth may be off along a surface's normal, in texel footprints.
     tolerance: f32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
+    filtering: DpFilter,
 }
 
 @group(DP_GROUP) @binding(0) var dp_maps: texture_depth_2d_array;
@@ -58,15 +65,21 @@ struct DpReceiver {
 // length and either sign; world space both. May be called anywhere, in loops over lights too.
 fn dp_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let receiver = dp_locate(light, position, normal);
-    let distance_squared = dot(receiver.position, receiver.position);
-    let hemisphere = select(1u, 2u, receiver.back);
-    if distance_squared > dp_lights[light].range * dp_lights[light].range {
+    if dp_is_out_of_range(light, receiver) {
         return 1.0;
     }
-    if (dp_lights[light].hemispheres & hemisphere) == 0u {
+    if !dp_has_hemisphere(light, receiver.back) {
         return 0.0;
     }
     return dp_sample_bilinear(light, receiver);
+}
+
+fn dp_is_out_of_range(light: u32, receiver: DpReceiver) -> bool {
+    return dot(receiver.position, receiver.position) > dp_lights[light].range * dp_lights[light].range;
+}
+
+fn dp_has_hemisphere(light: u32, back: bool) -> bool {
+    return (dp_lights[light].hemispheres & select(1u, 2u, back)) != 0u;
 }
 
 // Which hemisphere, and where in it.
@@ -109,9 +122,19 @@ struct DpVotes {
     dark: vec4<f32>,
 }
 
+// Reciprocal of the cosine between the receiver's normal and its ray, from 1 to 1000 (edge-on).
+fn dp_grazing(receiver: DpReceiver) -> f32 {
+    return 1.0 / max(dp_incidence(receiver), 1e-3);
+}
+
+// Margin up to which content counts as the receiver's own surface.
+fn dp_bias(light: u32, grazing: f32) -> f32 {
+    return DP_BIAS + dp_lights[light].tolerance * grazing;
+}
+
 fn dp_votes(light: u32, receiver: DpReceiver, margin: vec4<f32>) -> DpVotes {
-    let grazing = 1.0 / max(dp_incidence(receiver), 1e-3);
-    let bias = DP_BIAS + dp_lights[light].tolerance * grazing;
+    let grazing = dp_grazing(receiver);
+    let bias = dp_bias(light, grazing);
     // Half along the ray and half along the normal.
     let spread = 1.0 + grazing;
     let before = max(1.0 - margin / bias, vec4<f32>(0.0));
@@ -120,25 +143,71 @@ fn dp_votes(light: u32, receiver: DpReceiver, margin: vec4<f32>) -> DpVotes {
     return DpVotes(select(before, behind, margin < vec4<f32>(0.0)), dark);
 }
 
+// Four texels of a map, in the order in which textureGather gives them: the row below, then the row above,
+// counter-clockwise.
+struct DpTexels {
+    stored: vec4<f32>,
+    // Map coordinates of their centres.
+    u: vec4<f32>,
+    v: vec4<f32>,
+}
+
+// Map coordinates in texels: integers are the centres of texels, from the upper left one on.
+fn dp_texel_position(light: u32, map: vec2<f32>) -> vec2<f32> {
+    let texels = dp_lights[light].texels;
+    return 0.5 * f32(textureDimensions(dp_maps).y) + map * vec2<f32>(texels, -texels) - 0.5;
+}
+
+// The texel `base` of a hemisphere's map, and those to its right and below.
+fn dp_gather(light: u32, back: bool, base: vec2<f32>) -> DpTexels {
+    let size = vec2<f32>(textureDimensions(dp_maps));
+    let left = select(0.0, size.y, back);
+    let stored = textureGather(dp_maps, dp_sampler, (base + vec2<f32>(left, 0.0) + 1.0) / size, light);
+    let texel = vec2<f32>(1.0, -1.0) / dp_lights[light].texels;
+    let low = (base + 0.5 - 0.5 * size.y) * texel;
+    let high = low + texel;
+    return DpTexels(
+        stored,
+        vec4<f32>(low.x, high.x, high.x, low.x),
+        vec4<f32>(high.y, high.y, low.y, low.y),
+    );
+}
+
+// The four texels whose centres are around a place in a map, and their bilinear weights.
+struct DpNeighbours {
+    texels: DpTexels,
+    weights: vec4<f32>,
+}
+
+fn dp_neighbours(light: u32, back: bool, map: vec2<f32>) -> DpNeighbours {
+    let last = f32(textureDimensions(dp_maps).y) - 2.0;
+    let at = dp_texel_position(light, map);
+    let base = clamp(floor(at), vec2<f32>(0.0), vec2<f32>(max(last, 0.0)));
+    let f = clamp(at - base, vec2<f32>(0.0), vec2<f32>(1.0));
+    let weights = vec4<f32>((1.0 - f.x) * f.y, f.x * f.y, f.x * (1.0 - f.y), (1.0 - f.x) * (1.0 - f.y));
+    return DpNeighbours(dp_gather(light, back, base), weights);
+}
+
+// Margins of four texels that span `footprint` radians each. The receiver is in the hemisphere of the texels.
+fn dp_margins(light: u32, receiver: DpReceiver, texels: DpTexels, footprint: f32) -> vec4<f32> {
+    return (texels.stored / dp_receiver_depth(light, receiver, texels.u, texels.v) - 1.0) / footprint;
+}
+
+// Angle that a texel spans at a place in a map.
+fn dp_footprint(light: u32, map: vec2<f32>) -> f32 {
+    return dp_texel_angle(map, 1.0 / dp_lights[light].texels);
+}
+
+// Share of the light by sums of votes.
+fn dp_count(lit: f32, dark: f32) -> f32 {
+    // Division may be rounded up.
+    return max(1.0 - dark / max(lit + dark, DP_QUORUM), 0.0);
+}
+
 // The votes of the four texels around the receiver, weighted bilinearly.
 fn dp_sample_bilinear(light: u32, receiver: DpReceiver) -> f32 {
-    let size = vec2<f32>(textureDimensions(dp_maps));
-    let resolution = size.y;
-    let texels = dp_lights[light].texels;
-    let at = 0.5 * resolution + receiver.map * vec2<f32>(texels, -texels) - 0.5;
-    let base = clamp(floor(at), vec2<f32>(0.0), vec2<f32>(max(resolution - 2.0, 0.0)));
-    let f = clamp(at - base, vec2<f32>(0.0), vec2<f32>(1.0));
-    let left = select(0.0, resolution, receiver.back);
-    let stored = textureGather(dp_maps, dp_sampler, (base + vec2<f32>(left, 0.0) + 1.0) / size, light);
-    let low = (base + 0.5 - 0.5 * resolution) * vec2<f32>(1.0, -1.0) / texels;
-    let high = low + vec2<f32>(1.0, -1.0) / texels;
-    // The order in which textureGather gives the texels: row below, then row above, counter-clockwise.
-    let u = vec4<f32>(low.x, high.x, high.x, low.x);
-    let v = vec4<f32>(high.y, high.y, low.y, low.y);
-    let weights = vec4<f32>((1.0 - f.x) * f.y, f.x * f.y, f.x * (1.0 - f.y), (1.0 - f.x) * (1.0 - f.y));
-    let nearer = stored / dp_receiver_depth(light, receiver, u, v) - 1.0;
-    let votes = dp_votes(light, receiver, nearer / dp_texel_angle(receiver.map, 1.0 / texels));
-    let dark = dot(weights, votes.dark);
-    // Division may be rounded up.
-    return max(1.0 - dark / max(dot(weights, votes.lit) + dark, DP_QUORUM), 0.0);
+    let around = dp_neighbours(light, receiver.back, receiver.map);
+    let footprint = dp_footprint(light, receiver.map);
+    let votes = dp_votes(light, receiver, dp_margins(light, receiver, around.texels, footprint));
+    return dp_count(dot(around.weights, votes.lit), dot(around.weights, votes.dark));
 }

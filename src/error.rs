@@ -107,7 +107,7 @@ pub enum Error {
         /// Bytes allowed.
         limit: u64,
     },
-    /// A light whose position, orientation, range or near distance makes no sense.
+    /// A light whose position, orientation, range, near distance or filter makes no sense.
     #[error("the light's {what} is {value}: {remedy}")]
     InvalidLight {
         /// Which field.

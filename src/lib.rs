@@ -41,7 +41,8 @@
 //! ```
 //!
 //! In the lighting shader, `dp_shadow(light, position, normal)` is the share of a light that arrives: `light` is
-//! [`LightId::index`], the normal is the triangle's own.
+//! [`LightId::index`], the normal is the triangle's own. `dp_shadow_filtered` has softer edges, by the light's [`Filter`];
+//! [`wgsl::lookup`] lists the others.
 //!
 //! The device, the queue and the encoder are the caller's, and nothing is submitted. [`PointShadows::record`] renders
 //! only the lights that changed or that something moved near.
@@ -74,6 +75,7 @@ mod deform;
 mod demand;
 mod depth;
 mod error;
+mod filter;
 mod gpu;
 mod light;
 mod lookup;
@@ -95,6 +97,7 @@ pub use casters::{CasterMesh, Casters, Indices, InstanceId, MeshId, Sides};
 pub use custom::CasterPass;
 pub use deform::Deformed;
 pub use error::Error;
+pub use filter::Filter;
 pub use light::{Coverage, PointLight};
 pub use mask::Mask;
 #[cfg(feature = "compare")]

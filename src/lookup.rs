@@ -1,6 +1,7 @@
 //! What the lighting pass binds: the maps, and the lights as they were when their maps were made
-//! (`shaders/lookup.wgsl`).
+//! (`shaders/lookup.wgsl`, `shaders/filter.wgsl`).
 
+use crate::filter::FilterRecord;
 use crate::gpu;
 use crate::light::PointLight;
 use crate::view::{MapShape, axes, hemispheres};
@@ -19,7 +20,7 @@ struct LightRecord {
     position: Vec3,
     hemispheres: u32,
     tolerance: f32,
-    padding: [u32; 3],
+    filtering: FilterRecord,
 }
 
 #[derive(Debug)]
@@ -98,7 +99,7 @@ impl LightRecord {
             position: light.position,
             hemispheres: hemispheres(light.coverage),
             tolerance: shape.depth_tolerance(),
-            padding: [0; 3],
+            filtering: light.filter.record(),
         }
     }
 }

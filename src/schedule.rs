@@ -26,6 +26,8 @@ pub(crate) struct Light {
     waiting: u32,
     /// Whether there is a map of it at all.
     made: bool,
+    /// Whether its filter has changed since its map was made.
+    refiltered: bool,
 }
 
 /// A light whose map is made now.
@@ -38,15 +40,16 @@ pub(crate) struct Due {
 
 impl Light {
     pub(crate) fn new(light: PointLight) -> Self {
-        Self { light, stale: Stale::Everything, priority: 1.0, waiting: 0, made: false }
+        Self { light, stale: Stale::Everything, priority: 1.0, waiting: 0, made: false, refiltered: false }
     }
 
-    /// Changes the light; its map is stale unless that changes nothing.
+    /// Changes the light; its map is stale unless that changes nothing but the filter.
     pub(crate) fn set(&mut self, light: PointLight) {
-        if self.light != light {
-            self.light = light;
+        self.refiltered |= self.light.filter != light.filter;
+        if (PointLight { filter: light.filter, ..self.light }) != light {
             self.stale = Stale::Everything;
         }
+        self.light = light;
     }
 
     pub(crate) fn set_priority(&mut self, priority: f32) -> Result<(), Error> {
@@ -99,6 +102,16 @@ pub(crate) fn take(lights: &mut Slots<Light>, most: Option<u32>) -> Vec<Due> {
         Due { layer, light: entry.light, stale: std::mem::replace(&mut entry.stale, Stale::Nothing) }
     });
     due.collect()
+}
+
+/// Takes the lights whose filter alone has changed. Those whose maps wait get their filter with it.
+pub(crate) fn take_refiltered(lights: &mut Slots<Light>) -> Vec<(u32, PointLight)> {
+    let changed = lights.iter_mut().filter(|(_, entry)| entry.refiltered && entry.stale < Stale::Everything);
+    let taken = changed.map(|(layer, entry)| {
+        entry.refiltered = false;
+        (layer, entry.light)
+    });
+    taken.collect()
 }
 
 #[cfg(test)]

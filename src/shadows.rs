@@ -199,7 +199,7 @@ impl PointShadows {
         Ok(LightId(self.lights.insert(Light::new(light))))
     }
 
-    /// Changes a light. Setting what it is already costs nothing.
+    /// Changes a light. Setting what it is already costs nothing, and another filter alone next to nothing.
     ///
     /// # Errors
     /// [`Error::InvalidLight`] or [`Error::StaleHandle`]; the light stays as it was.
@@ -271,6 +271,9 @@ impl PointShadows {
         }
         for Due { layer, light, .. } in &due {
             self.lookup.set(*layer, Some(light), &self.shape);
+        }
+        for (layer, light) in schedule::take_refiltered(&mut self.lights) {
+            self.lookup.set(layer, Some(&light), &self.shape);
         }
         self.lookup.write(queue);
         if !due.is_empty() {

@@ -15,13 +15,27 @@ const HEMISPHERE: &str = include_str!("../shaders/hemisphere.wgsl");
 const DEPTH: &str = include_str!("../shaders/depth.wgsl");
 const EXACT: &str = include_str!("../shaders/exact.wgsl");
 const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
+const FILTER: &str = include_str!("../shaders/filter.wgsl");
 
-/// WGSL to put before or after a renderer's own, for `dp_shadow(light, position, normal) -> f32`. `group` is the
-/// number under which the renderer sets [`PointShadows::bind_group`](crate::PointShadows::bind_group). Everything
-/// it declares begins with `dp_` or `Dp`, and it declares no other binding.
+/// WGSL to put before or after a renderer's own, for `dp_shadow(light, position, normal) -> f32` and the filters.
+/// `group` is the number under which the renderer sets
+/// [`PointShadows::bind_group`](crate::PointShadows::bind_group). Everything it declares begins with `dp_` or `Dp`, and
+/// it declares no other binding.
+///
+/// All filters have the arguments `(light, position, normal, noise)`, of which `noise` in [0, 1] turns the spiral of
+/// those that take taps along one:
+///
+/// | | |
+/// | --- | --- |
+/// | `dp_shadow_filtered` | the light's own [`Filter`](crate::Filter) |
+/// | `dp_shadow_hard`, `dp_shadow_pcf3`, `dp_shadow_pcf5` | a filter whatever the light's own |
+/// | `dp_shadow_disc`, `dp_shadow_soft` | the same with the light's own settings; `dp_shadow` if they are of another filter |
+/// | `dp_shadow_with` | has a last argument of the type `DpFilter(kind, size, taps)`, of the kind `DP_HARD`, `DP_BILINEAR`, `DP_PCF3`, `DP_PCF5`, `DP_DISC` or `DP_SOFT` |
+///
+/// All may be called anywhere: in loops over lights, in branches, in compute shaders.
 #[must_use]
 pub fn lookup(group: u32) -> String {
-    [PARABOLOID, &LOOKUP.replace("DP_GROUP", &group.to_string())].concat()
+    [PARABOLOID, &LOOKUP.replace("DP_GROUP", &group.to_string()), FILTER].concat()
 }
 
 /// WGSL to put before or after a vertex shader that draws casters of its own, for

@@ -4,7 +4,7 @@ use dual_paraboloid::compare::baselines::{
     Baseline, BaselineError, Budget, ConstantBias, CubeMultiview, DeviceScene, Lookup, Method, SceneBuffers,
 };
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::lookup_cost::{LookupBench, Question};
+use dual_paraboloid::compare::lookup_cost::{Kernel, LookupBench, Question};
 use dual_paraboloid::compare::procedural::{self, shapes};
 use dual_paraboloid::compare::scene::{Material, Scene, SceneInstance, SceneMesh};
 use dual_paraboloid::compare::shot::Shot;
@@ -431,6 +431,11 @@ fn screen_passes_answer_as_the_lookups_do() {
     // Filters of other widths agree but near boundaries, and so does the cube.
     for question in [Question::Texels(1), Question::Texels(3), Question::Lookup(Lookup::CubePlane)] {
         assert!(differing(question) < own.len() / 10, "{}", question.name());
+    }
+    for kernel in [Kernel::Square3, Kernel::Square5, Kernel::Disc, Kernel::Soft] {
+        for question in [Question::Filter(kernel), Question::CubeFilter(kernel)] {
+            assert!(differing(question) < own.len() / 5, "{}: {}", question.name(), differing(question));
+        }
     }
 }
 

@@ -88,7 +88,8 @@ fn lookups_in_a_hurry() {
     let (success, printed, said) = bench("lookup", &["--quick", "--out", out.to_str().unwrap()]);
     assert!(success && !said.contains("panicked"), "{said}");
     let table = std::fs::read_to_string(out).unwrap();
-    for text in ["few-large", "dp_shadow, 2x2 gathered", "cube, 2x2 by hardware", "nothing"] {
+    for text in ["few-large", "dp_shadow, 2x2 gathered", "dp_shadow_soft, 32 taps", "cube, 3x3 by hardware", "nothing"]
+    {
         assert!(printed.contains(text) && table.contains(text), "{text} is missing in:\n{printed}");
     }
 }

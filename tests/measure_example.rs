@@ -43,7 +43,8 @@ fn assert_keys(object: &Value, keys: &str) {
 }
 
 const ALL: &str = "scene method resolution texels bytes triangles map shadow time";
-const SHADOW: &str = "samples lit_fraction wrong_ppm leak_ppm false_shadow_ppm far_wrong_ppm ideal_wrong_ppm";
+const SHADOW: &str = "samples lit_fraction wrong_ppm leak_ppm false_shadow_ppm far_wrong_ppm ideal_wrong_ppm \
+                      acne_ppm underlight_ppm";
 
 #[test]
 fn one_method_is_an_object_with_all_keys() {
@@ -85,10 +86,23 @@ fn several_methods_are_a_list_with_nulls_for_what_they_lack() {
         assert_eq!(one["shadow"].is_null(), number == 4);
         if number < 4 {
             assert_keys(&one["shadow"], SHADOW);
-            assert_eq!(one["shadow"]["ideal_wrong_ppm"].is_null(), number != 0);
+            for figure in ["ideal_wrong_ppm", "acne_ppm", "underlight_ppm"] {
+                assert_eq!(one["shadow"][figure].is_null(), number != 0, "{figure}");
+            }
         }
     }
     assert!(list[1]["bias"].as_f64() > Some(0.0));
+}
+
+#[test]
+fn a_soft_light_is_held_against_a_sphere() {
+    let soft = ["--resolution", "64", "--filter", "soft", "--light-radius", "0.1"];
+    let (json, printed) = measure("soft.json", &soft);
+    assert_keys(&json["shadow"], &format!("{SHADOW} soft"));
+    assert_keys(&json["shadow"]["soft"], "penumbra_fraction rms penumbra_rms p99 worst");
+    let rms = json["shadow"]["soft"]["rms"].as_f64().unwrap();
+    assert!(rms > 0.0 && rms < 0.2, "{rms}");
+    assert!(printed.contains("light_radius: 0.1"), "{printed}");
 }
 
 #[test]
@@ -97,6 +111,7 @@ fn what_cannot_be_measured_is_one_line() {
         (&["no such file.glb"][..], "no such file.glb"),
         (&["few-large", "--range", "-3"], "-3"),
         (&["few-large", "--resolution", "0"], "resolution"),
+        (&["few-large", "--filter", "soft", "--light-radius", "-1"], "light radius is -1"),
         (&["few-large", "--light", "1000,0,0", "--range", "1"], "reaches no surface"),
     ] {
         let output = run(&[arguments, &["--samples", "100", "--runs", "1"]].concat());

@@ -101,6 +101,21 @@ fn views_and_the_map_show_what_they_say() {
 }
 
 #[test]
+fn soft_lights_have_penumbras_and_little_error() {
+    let orange = |p: [u8; 3]| p[0] > p[2].saturating_add(60);
+    let soft = ["--filter", "soft", "--light-radius", "0.05"];
+    let view = |name: &str, view: &str, filter: &[&str]| picture(name, &[&["--view", view], filter].concat()).0;
+    let wide = share(&view("soft.png", "penumbra", &soft), orange);
+    let narrow = share(&view("hard.png", "penumbra", &["--filter", "hard"]), orange);
+    assert!(wide > 0.2 && narrow < 0.2 * wide, "{wide} {narrow}");
+    let bias = view("bias.png", "bias", &[]);
+    assert!(share(&bias, |p| p[0] == p[1] && p[1] == p[2] && p[0] > 0) > 0.9);
+    let wrong = |filter: &[&str]| share(&view("error.png", "error", filter), |p| p[0].abs_diff(p[2]) > 60);
+    let (soft, point) = (wrong(&soft), wrong(&["--filter", "hard"]));
+    assert!(soft < 0.1 && point > 0.0 && point < 0.1, "soft {soft}, point {point}");
+}
+
+#[test]
 fn lights_and_camera_are_where_they_are_put() {
     let arguments = ["--light", "-2,1,3", "--light", "4,-0.5,-6", "--range", "9"];
     let view = ["--camera", "-1,2,-3", "--look-at", "0,1,-9", "--fov", "50"];
@@ -128,6 +143,7 @@ fn files_that_cannot_be_rendered_are_one_line() {
 #[test]
 fn values_out_of_range_are_one_line() {
     assert_fails(&["--range", "-3"], "-3");
+    assert_fails(&["--filter", "soft", "--light-radius", "nan"], "light radius is NaN");
     assert_fails(&["--resolution", "0"], "resolution");
     assert_fails(&["--camera", "1,2,3", "--look-at", "1,2,3"], "--look-at");
     assert_fails(&["--size", "99999x10"], "99999x10");

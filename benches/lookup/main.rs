@@ -51,7 +51,7 @@ struct Arguments {
 const LEGEND: &str = "\
 Medians of a pass over the whole screen, with all passes interleaved. *Over nothing* is the time less \
 that of the pass that only reads the position and the normal. Ratios are to the hardware's comparison in a cube, of \
-the whole time and of that over nothing.";
+the whole time and of that over nothing, and of filters to the same on the cube.";
 
 fn main() -> ExitCode {
     match run(Arguments::parse()) {
@@ -115,27 +115,33 @@ fn measure(gpu: &Gpu, timer: &Timer, name: &str, arguments: &Arguments) -> anyho
 }
 
 fn table(times: &[LookupTime]) -> Table {
-    let mut table =
-        Table::new(&["lookup", "time, us", "min", "max", "over nothing", "to the cube", "to the cube, over nothing"]);
+    let head = ["lookup", "time, us", "min", "max", "over nothing"];
+    let mut table = Table::new(&[&head[..], &RATIOS].concat());
     for time in times {
         let micros = |milliseconds: f64| format!("{:.1}", 1000.0 * milliseconds);
         let taken = [time.time.median, time.time.min, time.time.max].map(|time| micros(milliseconds(time)));
-        let ratios = [Some(time.to_cube), time.to_cube_over_nothing].map(ratio);
+        let ratios = figures(time).map(ratio);
         let cells = taken.into_iter().chain([micros(time.ms_over_nothing)]).chain(ratios);
         table.row([time.question.name().to_owned()].into_iter().chain(cells));
     }
     table
 }
 
+const RATIOS: [&str; 3] = ["to the cube", "to the cube, over nothing", "to the same on the cube, over nothing"];
+
+fn figures(time: &LookupTime) -> [Option<f64>; 3] {
+    [Some(time.to_cube), time.to_cube_over_nothing, time.to_same_on_cube_over_nothing]
+}
+
 /// Geometric means of the ratios over scenes.
 fn means(scenes: &[(String, Vec<LookupTime>)]) -> Table {
-    let mut table = Table::new(&["lookup", "to the cube", "to the cube, over nothing"]);
+    let mut table = Table::new(&[&["lookup"][..], &RATIOS].concat());
     for (place, question) in Question::ALL.into_iter().enumerate() {
-        let mean = |figure: fn(&LookupTime) -> Option<f64>| {
-            let all = scenes.iter().filter_map(|(_, times)| figure(&times[place]));
+        let mean = |number: usize| {
+            let all = scenes.iter().filter_map(|(_, times)| figures(&times[place])[number]);
             geometric_mean(&all.filter(|ratio| *ratio > 0.0).collect::<Vec<_>>())
         };
-        let ratios = [mean(|time| Some(time.to_cube)), mean(|time| time.to_cube_over_nothing)];
+        let ratios = [0, 1, 2].map(mean);
         table.row([question.name().to_owned()].into_iter().chain(ratios.map(ratio)));
     }
     table

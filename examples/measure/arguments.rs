@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::filter::FilterName;
 use clap::Parser;
 use dual_paraboloid::compare::baselines::{Lookup, Method};
 use glam::Vec3;
@@ -29,6 +30,12 @@ pub struct Arguments {
     /// cube-multiview, depth-view
     #[arg(long = "method", value_name = "METHOD", value_delimiter = ',', default_value = "paraboloid")]
     pub methods: Vec<Entry>,
+    /// How the lookup of `paraboloid` softens shadows
+    #[arg(long, value_enum, default_value_t = FilterName::Bilinear)]
+    pub filter: FilterName,
+    /// Radius of the light in world units, for --filter soft. Without it, half a hundredth of its range
+    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    pub light_radius: Option<f32>,
     /// Points of the scene to ask for their shadow
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: u32,
@@ -57,6 +64,11 @@ pub struct Entry {
 impl Entry {
     pub fn name(self) -> &'static str {
         if self.lookup == Some(Lookup::CubePlane) { "cube-plane" } else { self.method.name() }
+    }
+
+    /// The lookup that is judged: `paraboloid` has the one of the light's filter.
+    pub fn judged(self) -> Option<Lookup> {
+        if self.lookup == Some(Lookup::Paraboloid) { Some(Lookup::Filtered) } else { self.lookup }
     }
 
     /// Whether it has a time of its own; that of `cube-plane` is the time of `cube`.

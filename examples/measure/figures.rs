@@ -2,15 +2,19 @@
 
 use crate::arguments::{Arguments, Entry};
 use anyhow::{anyhow, ensure};
-use dual_paraboloid::PointLight;
-use dual_paraboloid::compare::baselines::{Baseline, DeviceScene};
+use dual_paraboloid::compare::area_light::{SoftError, shares_of_sphere, soft_error};
+use dual_paraboloid::compare::baselines::{Baseline, DeviceScene, Lookup};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Judge, Judged};
 use dual_paraboloid::compare::timing::{Rounds, Summary, Timer};
+use dual_paraboloid::{Filter, PointLight};
 use indicatif::ProgressBar;
 
 /// Rounds that don't count, before the measured ones.
 const WARM_UP: usize = 3;
+/// Receivers at which the sphere of a soft light is ray-traced, and rays to it.
+const SOFT_SAMPLES: usize = 20_000;
+const SOFT_RAYS: usize = 256;
 
 /// One method with its map and its figures.
 pub struct Measured {
@@ -18,6 +22,8 @@ pub struct Measured {
     pub resolution: u32,
     pub baseline: Baseline,
     pub judged: Option<Judged>,
+    /// Against a ray-traced sphere of light, where that is what the lookup means to show.
+    pub soft: Option<SoftError>,
     pub time: Option<Summary>,
 }
 
@@ -31,7 +37,7 @@ pub fn prepare(gpu: &Gpu, arguments: &Arguments) -> anyhow::Result<Vec<Measured>
             ensure!(entry.method.is_available(gpu), "{name} can't be made, or not right, on {}", gpu.name());
             let resolution = entry.side(arguments);
             let baseline = Baseline::new(&gpu.device, entry.method, resolution)?;
-            Ok(Measured { entry, resolution, baseline, judged: None, time: None })
+            Ok(Measured { entry, resolution, baseline, judged: None, soft: None, time: None })
         })
         .collect()
 }
@@ -45,12 +51,23 @@ pub fn find_errors(
 ) -> anyhow::Result<()> {
     for one in measured {
         bar.set_message(format!("errors of {}", one.entry.name()));
-        if let Some(lookup) = one.entry.lookup {
+        if let Some(lookup) = one.entry.judged() {
             one.judged = judge.judge(&mut one.baseline, lookup, scene)?;
+            one.soft = find_soft_error(judge, &one.baseline, lookup);
         }
         bar.inc(1);
     }
     Ok(())
+}
+
+/// Errors against the sphere, at the first [`SOFT_SAMPLES`] receivers.
+fn find_soft_error(judge: &Judge, baseline: &Baseline, lookup: Lookup) -> Option<SoftError> {
+    let (Filter::Soft { light_radius, .. }, Lookup::Filtered) = (judge.light().filter, lookup) else { return None };
+    let truth = judge.truth();
+    let receivers = &truth.receivers[..truth.receivers.len().min(SOFT_SAMPLES)];
+    let values = baseline.shadow_values(judge.gpu(), lookup, &truth.inputs()[..receivers.len()])?;
+    let radius = f64::from(light_radius);
+    Some(soft_error(&values, &shares_of_sphere(receivers, &truth.reference, &truth.view, radius, SOFT_RAYS)))
 }
 
 /// Times all methods that have a time, interleaved. A step of the bar for each map made.

@@ -3,6 +3,8 @@
 
 mod arguments;
 mod figures;
+#[path = "../render/filter.rs"]
+mod filter;
 mod pictures;
 mod report;
 #[path = "../render/map.rs"]
@@ -11,12 +13,12 @@ mod truth_depth;
 use anyhow::{anyhow, ensure};
 use arguments::Arguments;
 use clap::Parser;
-use dual_paraboloid::Sides;
 use dual_paraboloid::compare::baselines::{DeviceScene, Method};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene};
 use dual_paraboloid::compare::text::{grouped, one_line};
 use dual_paraboloid::compare::timing::Timer;
+use dual_paraboloid::{PointLight, Sides};
 use indicatif::{ProgressBar, ProgressStyle};
 use report::Common;
 use std::process::ExitCode;
@@ -40,6 +42,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         scene = scene.without_holes();
     }
     let (light, choice) = choose_light(&scene, arguments.light, arguments.range);
+    let light = PointLight { filter: arguments.filter.with(arguments.light_radius, light.range), ..light };
     light.validate()?;
     let gpu = Gpu::new(
         wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS | wgpu::Features::MULTIVIEW,
@@ -55,6 +58,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     println!("adapter    {} (times: {})", gpu.name(), timer.clock());
     println!("scene      {}: {} triangles", scene.name, grouped(scene.triangle_count()));
     println!("light      at {},{},{}, range {:.4}, near {:.3e} ({choice})", at.x, at.y, at.z, light.range, light.near);
+    println!("filter     {:?}", light.filter);
 
     let mut measured = figures::prepare(&gpu, arguments)?;
     let mut casters = DeviceScene::new(&gpu, &scene, Sides::Auto)?;

@@ -35,7 +35,7 @@ pub fn write_all(folder: &Path, gpu: &Gpu, scene: &Scene, truth: &Truth, measure
         if let Some(picture) = one.judged.as_ref().and_then(|judged| map(judged, truth)) {
             write(&folder.join("map.png"), &picture)?;
         }
-        let values = one.entry.lookup.and_then(|lookup| one.baseline.shadow_values(gpu, lookup, &view.inputs()));
+        let values = one.entry.judged().and_then(|lookup| one.baseline.shadow_values(gpu, lookup, &view.inputs()));
         if let Some(values) = values {
             write(&folder.join(format!("screen-{}.png", one.entry.name())), &view.picture(&values))?;
         }

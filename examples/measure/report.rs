@@ -45,6 +45,11 @@ fn shadow(one: &Measured) -> Value {
     let Some(judged) = &one.judged else { return Value::Null };
     let mut shadow = json!(judged.shadow);
     shadow["ideal_wrong_ppm"] = json!(judged.ideal.as_ref().map(|(_, error)| error.wrong_ppm));
+    shadow["acne_ppm"] = json!(judged.filter.map(|error| error.acne_ppm));
+    shadow["underlight_ppm"] = json!(judged.filter.map(|error| error.underlight_ppm));
+    if let Some(soft) = one.soft {
+        shadow["soft"] = json!(soft);
+    }
     shadow
 }
 
@@ -99,6 +104,14 @@ fn shadow_lines(line: Line) {
     line("    leaks", &|one| Some(ppm(shadow(one)?.leak_ppm)));
     line("    false shadows", &|one| Some(ppm(shadow(one)?.false_shadow_ppm)));
     line("    far from a boundary", &|one| Some(ppm(shadow(one)?.far_wrong_ppm)));
+    let filter = |one: &Measured| one.judged.as_ref()?.filter;
+    line("    acne", &|one| Some(ppm(filter(one)?.acne_ppm)));
+    line("    light in the dark", &|one| Some(ppm(filter(one)?.underlight_ppm)));
+    line("  in a penumbra, %", &|one| Some(format!("{:.1}", 100.0 * one.soft?.penumbra_fraction)));
+    line("    error there: rms", &|one| Some(format!("{:.4}", one.soft?.penumbra_rms)));
+    line("  all errors: rms", &|one| Some(format!("{:.4}", one.soft?.rms)));
+    line("    99 %", &|one| Some(format!("{:.4}", one.soft?.p99)));
+    line("    most", &|one| Some(format!("{:.4}", one.soft?.worst)));
     line("  ideal map: wrong, ppm", &|one| Some(ppm(ideal(one)?.wrong_ppm)));
     line("    far from a boundary", &|one| Some(ppm(ideal(one)?.far_wrong_ppm)));
     line("  wrong / ideal", &|one| Some(format!("{:.3}", shadow(one)?.wrong_ppm / ideal(one)?.wrong_ppm)));

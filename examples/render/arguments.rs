@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::camera::View;
+use crate::filter::FilterName;
 use clap::Parser;
 use glam::{UVec2, Vec3};
 use std::path::PathBuf;
@@ -21,6 +22,12 @@ pub struct Arguments {
     /// Texels across each hemisphere's map
     #[arg(long, value_name = "N", default_value_t = 1024)]
     pub resolution: u32,
+    /// How soft the shadows are
+    #[arg(long, value_enum, default_value_t = FilterName::Bilinear)]
+    pub filter: FilterName,
+    /// Radius of the lights in world units, for --filter soft. Without it, half a hundredth of their range
+    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    pub light_radius: Option<f32>,
     /// Where the camera is. Without it, where it suits the scene
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub camera: Option<Vec3>,

@@ -55,6 +55,19 @@ pub enum View {
     Hemisphere = 2,
     /// Lit, with the texels of the first light's maps as a checkerboard
     Texels = 3,
+    /// What is in the first light's penumbras, neither lit nor dark
+    Penumbra = 4,
+    /// The depth bias for the first light, from black for none to white for a texel
+    Bias = 5,
+    /// The first light's shadows against ray casting: too light in red, too dark in blue
+    Error = 6,
+}
+
+impl View {
+    /// Whether it shows a figure and not light: then it isn't exposed.
+    pub fn is_figure(self) -> bool {
+        matches!(self, Self::Shadow | Self::Penumbra | Self::Bias)
+    }
 }
 
 /// A light to render with.
@@ -94,7 +107,7 @@ pub fn take(gpu: &Gpu, shot: &Shot) -> anyhow::Result<image::RgbImage> {
     let luminance = develop(gpu, &radiance, shot.size, "meter", wgpu::TextureFormat::R32Float, plain);
     let development = Development {
         exposure: exposure(gpu.read_texture(&luminance, 0)),
-        tone_mapping: if shot.view == View::Shadow { 0.0 } else { 1.0 },
+        tone_mapping: if shot.view.is_figure() { 0.0 } else { 1.0 },
     };
     let format = wgpu::TextureFormat::Rgba8UnormSrgb;
     let picture = develop(gpu, &radiance, shot.size, "develop", format, development);

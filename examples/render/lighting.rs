@@ -31,7 +31,13 @@ pub fn choose(arguments: &Arguments, scene: &Scene) -> (Vec<Light>, &'static str
         let reach = 2.0 * (light.position - low).abs().max((light.position - high).abs()).length();
         let range = arguments.range.or(light.range).unwrap_or(reach);
         Light {
-            shadow: PointLight { position: light.position, range, near: NEAR * range, ..Default::default() },
+            shadow: PointLight {
+                position: light.position,
+                range,
+                near: NEAR * range,
+                filter: arguments.filter.with(arguments.light_radius, range),
+                ..Default::default()
+            },
             intensity: Vec3::from(light.color) * (light.intensity * unit),
         }
     });

@@ -3,13 +3,15 @@
 
 mod arguments;
 mod camera;
+mod error;
+mod filter;
 mod lighting;
 mod map;
 mod model;
 
 use anyhow::{anyhow, ensure};
 use arguments::Arguments;
-use camera::Light;
+use camera::{Light, View};
 use clap::Parser;
 use dual_paraboloid::compare::gpu::{Gpu, Statistics};
 use dual_paraboloid::compare::procedural::{hall, hall_camera, shapes};
@@ -82,6 +84,11 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         println!("map          {}", path.display());
     }
 
+    if arguments.view == View::Error {
+        let (id, light) = &lights[0];
+        let picture = error::picture(&gpu, arguments, &scene, &camera, &shadows, (*id, &light.shadow));
+        return finish(arguments, &picture, start);
+    }
     show_lamps(&mut scene, &lights, camera.eye);
     let (low, high) = scene.bounds().unwrap_or_default();
     let picture = camera::take(
@@ -96,7 +103,11 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
             size: arguments.size,
         },
     )?;
-    write(&arguments.output, &picture)?;
+    finish(arguments, &picture, start)
+}
+
+fn finish(arguments: &Arguments, picture: &image::RgbImage, start: Instant) -> anyhow::Result<()> {
+    write(&arguments.output, picture)?;
     println!("total        {:.2} s", start.elapsed().as_secs_f32());
     println!("picture      {}", arguments.output.display());
     Ok(())

@@ -32,6 +32,8 @@ struct Material {
 const VIEW_SHADOW: u32 = 1u;
 const VIEW_HEMISPHERE: u32 = 2u;
 const VIEW_TEXELS: u32 = 3u;
+const VIEW_PENUMBRA: u32 = 4u;
+const VIEW_BIAS: u32 = 5u;
 
 // Light from everywhere, after exposure.
 const AMBIENT: vec3<f32> = vec3<f32>(0.030, 0.034, 0.042);
@@ -102,21 +104,48 @@ fn shade(in: Surface) -> Radiance {
 
     var lit = vec3<f32>();
     var shadow = 0.0;
+    var first = 0.0;
+    let noise = interleaved_gradient_noise(in.clip.xy);
     for (var i = 0u; i < arrayLength(&lights); i += 1u) {
-        let visible = dp_shadow(lights[i].index, in.position, geometric);
+        let visible = dp_shadow_filtered(lights[i].index, in.position, geometric, noise);
         lit += irradiance(lights[i], in.position, normal, geometric) * visible;
         shadow += visible;
+        first = select(first, visible, i == 0u);
     }
     let ambient = AMBIENT * (0.5 + 0.5 * max(dot(normal, to_eye), 0.0));
     var radiance = Radiance(vec4<f32>(albedo * lit, 1.0), vec4<f32>(albedo * ambient + material.emissive, 1.0));
     if frame.view == VIEW_SHADOW {
-        radiance.lamps = vec4<f32>(0.0, 0.0, 0.0, 1.0);
-        radiance.fixed_level = vec4<f32>(vec3<f32>(shadow / f32(arrayLength(&lights))), 1.0);
+        radiance = figure(vec3<f32>(shadow / f32(arrayLength(&lights))));
+    } else if frame.view == VIEW_PENUMBRA {
+        radiance = figure(penumbra(first));
+    } else if frame.view == VIEW_BIAS {
+        radiance = figure(vec3<f32>(bias(in.position, geometric)));
     }
     if base.a < material.cutoff {
         discard;
     }
     return radiance;
+}
+
+// What is shown as it is.
+fn figure(color: vec3<f32>) -> Radiance {
+    return Radiance(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec4<f32>(color, 1.0));
+}
+
+// Grey in the light and in the dark, and between the two orange, the more the nearer to half and half.
+fn penumbra(visible: f32) -> vec3<f32> {
+    return mix(vec3<f32>(0.1 + 0.5 * visible), vec3<f32>(1.0, 0.35, 0.0), sqrt(4.0 * visible * (1.0 - visible)));
+}
+
+// The bias of the first light's lookup, in texels' footprints along the ray.
+fn bias(position: vec3<f32>, geometric: vec3<f32>) -> f32 {
+    let index = lights[0].index;
+    return min(dp_bias(index, dp_grazing(dp_locate(index, position, geometric))), 1.0);
+}
+
+// Jimenez, "Next generation post processing in Call of Duty: Advanced Warfare" (2014).
+fn interleaved_gradient_noise(pixel: vec2<f32>) -> f32 {
+    return fract(52.9829189 * fract(dot(pixel, vec2<f32>(0.06711056, 0.00583715))));
 }
 
 // A surface's two sides look alike: the normal is that of the side that is seen.

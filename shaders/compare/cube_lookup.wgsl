@@ -34,19 +34,24 @@ fn cube_axis_distance(v: vec3<f32>) -> f32 {
     return max(abs(v.x), max(abs(v.y), abs(v.z)));
 }
 
-// Share of the light that reaches `position`, by the hardware's comparison of four texels with one reference. The
-// receiver is moved along its normal, in proportion to the texel's size there, and by a constant toward the light.
-fn cube_shadow_hardware(position: vec3<f32>, normal: vec3<f32>) -> f32 {
+// The receiver relative to the light, moved along its normal, in proportion to the texel's size there, and by a constant
+// toward the light.
+fn cube_moved(position: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
     let from_light = position - cube_light.position;
-    let distance_squared = dot(from_light, from_light);
-    if distance_squared > cube_light.range * cube_light.range {
-        return 1.0;
-    }
     // Engines have normals that face the viewer, and light nothing from behind: here either sign may come.
     let lit_side = normalize(normal) * -sign(dot(normal, from_light));
     let offset = lit_side * (cube_light.normal_bias * cube_axis_distance(from_light));
-    let toward_light = from_light * (cube_light.depth_bias * inverseSqrt(distance_squared));
-    let moved = from_light + offset - toward_light;
+    let toward_light = from_light * (cube_light.depth_bias * inverseSqrt(dot(from_light, from_light)));
+    return from_light + offset - toward_light;
+}
+
+// Share of the light that reaches `position`, by the hardware's comparison of four texels with one reference.
+fn cube_shadow_hardware(position: vec3<f32>, normal: vec3<f32>) -> f32 {
+    let from_light = position - cube_light.position;
+    if dot(from_light, from_light) > cube_light.range * cube_light.range {
+        return 1.0;
+    }
+    let moved = cube_moved(position, normal);
     let depth = cube_light.near / cube_axis_distance(moved);
     return textureSampleCompareLevel(cube_map, cube_comparison, moved, depth);
 }

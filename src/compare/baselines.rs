@@ -221,7 +221,7 @@ impl Baseline {
     /// doesn't read this method's map.
     #[must_use]
     pub fn evaluator(&self, gpu: &Gpu, lookup: Lookup, receivers: &[(Vec3, Vec3)]) -> Option<Evaluator> {
-        let (_, layout) = self.bind_group().filter(|_| self.method.lookups().contains(&lookup))?;
+        let (_, layout) = self.bind_group().filter(|_| self.method.is_read_by(lookup))?;
         let text = [lookup.text(0), evaluation(lookup.expression())].concat();
         Some(gpu.evaluator(&text, &[layout], receivers))
     }

@@ -5,13 +5,16 @@
 //! that are given in texels are distances in map coordinates; the mapping is conformal, so a disc of directions is a
 //! disc there.
 
+mod filter_error;
 mod map_error;
 mod receivers;
 mod shadow_error;
 
+pub use filter_error::{FilterError, LIT, filter_error};
 pub use map_error::{MapError, SURFACE_TOLERANCE, TexelVerdict, judge_texels, map_error};
 pub use receivers::{Receiver, ideal_shadows, sample_receivers, truth};
-pub use shadow_error::{CREASE_DEPTH, FAR_TEXELS, ShadowError, ShadowReport, near_boundary, shadow_error};
+pub use shadow_error::shadow_error;
+pub use shadow_error::{CREASE_DEPTH, FAR_TEXELS, ShadowError, ShadowReport, boundary_within, near_boundary};
 
 /// `count` out of `total` in parts per million; 0 of nothing is 0.
 pub(super) fn per_million(count: usize, total: usize) -> f64 {

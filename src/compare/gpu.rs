@@ -174,6 +174,14 @@ impl Gpu {
         self.evaluate(&text, &[(shadows.bind_group(), shadows.bind_group_layout())], receivers)
     }
 
+    /// What `dp_shadow_filtered` says of each receiver, by the light's filter and without noise.
+    #[must_use]
+    pub fn filtered_values(&self, shadows: &PointShadows, light: LightId, receivers: &[(Vec3, Vec3)]) -> Vec<f32> {
+        let call = format!("dp_shadow_filtered({}u, position, normal, 0.0)", light.index());
+        let text = [crate::wgsl::lookup(0), evaluation(&call)].concat();
+        self.evaluate(&text, &[(shadows.bind_group(), shadows.bind_group_layout())], receivers)
+    }
+
     /// Number of receivers that one evaluation takes at most.
     #[must_use]
     pub fn most_receivers(&self) -> u64 {

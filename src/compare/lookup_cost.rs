@@ -12,6 +12,20 @@ use pass::{Screen, ShadePass};
 use serde::{Serialize, Serializer};
 
 const TEXELS: &str = include_str!("../../shaders/compare/lookup_texels.wgsl");
+const CUBE_FILTER: &str = include_str!("../../shaders/compare/cube_filter.wgsl");
+
+/// A filter wider than four texels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kernel {
+    /// 3 x 3 texels.
+    Square3,
+    /// 5 x 5 texels.
+    Square5,
+    /// A disc of 0.01 radians, 16 taps.
+    Disc,
+    /// A sphere of 0.1 world units, 32 taps.
+    Soft,
+}
 
 /// What a pass asks at each pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -22,11 +36,15 @@ pub enum Question {
     Lookup(Lookup),
     /// `dp_shadow` over a square of texels, so many across, each loaded on its own.
     Texels(u32),
+    /// A filter of the pair.
+    Filter(Kernel),
+    /// The same on a cube, of the hardware's comparisons.
+    CubeFilter(Kernel),
 }
 
 impl Question {
-    /// What is measured: all lookups, and squares of 1, 4 and 9 texels.
-    pub const ALL: [Self; 8] = [
+    /// What is measured: all lookups, squares of 1, 4 and 9 texels, and filters.
+    pub const ALL: [Self; 16] = [
         Self::Nothing,
         Self::Lookup(Lookup::CubeHardware),
         Self::Lookup(Lookup::CubePlane),
@@ -35,6 +53,14 @@ impl Question {
         Self::Texels(1),
         Self::Texels(2),
         Self::Texels(3),
+        Self::CubeFilter(Kernel::Square3),
+        Self::Filter(Kernel::Square3),
+        Self::CubeFilter(Kernel::Square5),
+        Self::Filter(Kernel::Square5),
+        Self::CubeFilter(Kernel::Disc),
+        Self::Filter(Kernel::Disc),
+        Self::CubeFilter(Kernel::Soft),
+        Self::Filter(Kernel::Soft),
     ];
 
     /// The name for reports.
@@ -43,21 +69,31 @@ impl Question {
         match self {
             Self::Nothing => "nothing",
             Self::Lookup(Lookup::Paraboloid) => "dp_shadow, 2x2 gathered",
+            Self::Lookup(Lookup::Filtered) => "dp_shadow_filtered",
             Self::Lookup(Lookup::VertexWarp) => "vertex warp, 2x2 by hardware",
             Self::Lookup(Lookup::CubeHardware) => "cube, 2x2 by hardware",
             Self::Lookup(Lookup::CubePlane) => "cube, plane bias, 2x2 gathered",
             Self::Texels(1) => "dp_shadow, 1 texel",
             Self::Texels(2) => "dp_shadow, 4 texels loaded",
             Self::Texels(_) => "dp_shadow, 9 texels loaded",
+            Self::Filter(Kernel::Square3) => "dp_shadow_pcf3",
+            Self::Filter(Kernel::Square5) => "dp_shadow_pcf5",
+            Self::Filter(Kernel::Disc) => "dp_shadow_disc, 16 taps",
+            Self::Filter(Kernel::Soft) => "dp_shadow_soft, 32 taps",
+            Self::CubeFilter(Kernel::Square3) => "cube, 3x3 by hardware",
+            Self::CubeFilter(Kernel::Square5) => "cube, 5x5 by hardware",
+            Self::CubeFilter(Kernel::Disc) => "cube, disc of 16 by hardware",
+            Self::CubeFilter(Kernel::Soft) => "cube, soft of 32 by hardware",
         }
     }
 
     /// The method whose map it reads.
     fn method(self) -> Method {
         match self {
-            Self::Nothing | Self::Texels(_) | Self::Lookup(Lookup::Paraboloid) => Method::Paraboloid,
+            Self::Nothing | Self::Texels(_) | Self::Filter(_) => Method::Paraboloid,
+            Self::Lookup(Lookup::Paraboloid | Lookup::Filtered) => Method::Paraboloid,
             Self::Lookup(Lookup::VertexWarp) => Method::VertexWarp,
-            Self::Lookup(Lookup::CubeHardware | Lookup::CubePlane) => Method::Cube,
+            Self::Lookup(Lookup::CubeHardware | Lookup::CubePlane) | Self::CubeFilter(_) => Method::Cube,
         }
     }
 
@@ -70,6 +106,30 @@ impl Question {
                 let text = TEXELS.replace("TEXELS", &side.to_string());
                 ([Lookup::Paraboloid.text(0), text].concat(), "texels_shadow(0u, position, normal)")
             }
+            Self::Filter(kernel) => (Lookup::Filtered.text(0), kernel.expression()),
+            Self::CubeFilter(kernel) => {
+                ([&Lookup::CubeHardware.text(0), CUBE_FILTER].concat(), kernel.cube_expression())
+            }
+        }
+    }
+}
+
+impl Kernel {
+    fn expression(self) -> &'static str {
+        match self {
+            Self::Square3 => "dp_shadow_pcf3(0u, position, normal, 0.5)",
+            Self::Square5 => "dp_shadow_pcf5(0u, position, normal, 0.5)",
+            Self::Disc => "dp_shadow_with(0u, position, normal, 0.5, DpFilter(DP_DISC, 0.01, 16u))",
+            Self::Soft => "dp_shadow_with(0u, position, normal, 0.5, DpFilter(DP_SOFT, 0.1, 32u))",
+        }
+    }
+
+    fn cube_expression(self) -> &'static str {
+        match self {
+            Self::Square3 => "cube_shadow_square(position, normal, 1)",
+            Self::Square5 => "cube_shadow_square(position, normal, 2)",
+            Self::Disc => "cube_shadow_disc(position, normal, 0.01, 16u, 0.5)",
+            Self::Soft => "cube_shadow_soft(position, normal, 0.1, 32u, 0.5)",
         }
     }
 }
@@ -98,6 +158,8 @@ pub struct LookupTime {
     pub to_cube: f64,
     /// The same of what either takes more than the pass that asks nothing; `None` where the cube takes no more.
     pub to_cube_over_nothing: Option<f64>,
+    /// That of a filter to the same one on a cube; `None` of what is no filter, and where the cube takes no more.
+    pub to_same_on_cube_over_nothing: Option<f64>,
 }
 
 fn as_name<S: Serializer>(question: &Question, serializer: S) -> Result<S::Ok, S::Error> {
@@ -113,12 +175,17 @@ fn compare(times: &[Summary]) -> Vec<LookupTime> {
     let (nothing, cube) = (of(Question::Nothing), of(Question::Lookup(Lookup::CubeHardware)));
     let all = Question::ALL.into_iter().zip(times).map(|(question, time)| {
         let over_nothing = milliseconds(time.median) - nothing;
+        let same = match question {
+            Question::Filter(kernel) => of(Question::CubeFilter(kernel)),
+            _ => nothing,
+        };
         LookupTime {
             question,
             time: *time,
             ms_over_nothing: over_nothing,
             to_cube: milliseconds(time.median) / cube,
             to_cube_over_nothing: (cube > nothing).then(|| over_nothing / (cube - nothing)),
+            to_same_on_cube_over_nothing: (same > nothing).then(|| over_nothing / (same - nothing)),
         }
     });
     all.collect()
@@ -197,7 +264,7 @@ mod tests {
 
     #[test]
     fn ratios_with_and_without_the_pass_that_asks_nothing() {
-        let times = [2, 6, 8, 4, 10, 1, 3, 5].map(|time| {
+        let times = [2, 6, 8, 4, 10, 1, 3, 5, 4, 5, 1, 1, 1, 1, 1, 1].map(|time| {
             let median = Duration::from_millis(time);
             Summary { median, min: median, max: median }
         });
@@ -206,6 +273,11 @@ mod tests {
         let figures = own.map(|own| (own.ms_over_nothing, own.to_cube, own.to_cube_over_nothing));
         assert_eq!(figures, Some((8.0, 10.0 / 6.0, Some(2.0))));
         assert_eq!(all.len(), Question::ALL.len());
-        assert_eq!(compare(&[times[0]; 8])[1].to_cube_over_nothing, None);
+        let same = |kernel| {
+            let filter = all.iter().find(|time| time.question == Question::Filter(kernel));
+            filter.and_then(|time| time.to_same_on_cube_over_nothing)
+        };
+        assert_eq!((same(Kernel::Square3), same(Kernel::Square5)), (Some(1.5), None));
+        assert_eq!(compare(&[times[0]; 16])[1].to_cube_over_nothing, None);
     }
 }

@@ -1,10 +1,11 @@
 //! What the library is held against: a ray-cast reference, error figures, scenes. Feature `compare`.
 //!
 //! [`reference`](mod@reference) is the truth by ray casting, [`ideal`] the map and the lookup as they would be if the
-//! resolution were the only source of error, [`error_figures`] says how far from both an answer is, and [`measure`]
-//! puts them together. [`baselines`] are the cubes and the published technique, [`timing`] takes their times, and
+//! resolution were the only source of error, [`error_figures`] says how far from both an answer is, [`area_light`] is
+//! the truth for soft lights, and [`measure`] puts them together. [`baselines`] are the cubes and the published technique, [`timing`] takes their times, and
 //! [`cost`] sets these against the errors.
 
+pub mod area_light;
 pub mod baselines;
 pub mod cost;
 mod cut_outs;

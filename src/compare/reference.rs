@@ -2,8 +2,8 @@
 //!
 //! Everything is relative to the light (world axes, the light at the origin, world units): the light's position is
 //! subtracted once, in double precision, from corners that were widened from single precision, so coordinates far from
-//! the world's origin cost nothing. Every ray starts at the origin. A triangle `A, B, C` seen from there is a cone of
-//! three planes, and the ray along `d` is inside it when the three triple products `(A x B).d`, `(B x C).d` and
+//! the world's origin cost nothing. Rays start at the origin, or close by for a light that has a size. A triangle
+//! `A, B, C` seen from there is a cone of three planes, and the ray along `d` is inside it when the three triple products `(A x B).d`, `(B x C).d` and
 //! `(C x A).d` have one sign. A shared edge gives both its triangles the same product but for the sign, to the bit,
 //! so no ray slips through between them; a margin of the product's own rounding error does the same for corners.
 //!
@@ -158,7 +158,7 @@ impl Reference {
     #[must_use]
     pub fn nearest(&self, direction: DVec3, t_min: f64) -> Option<Hit> {
         let mut nearest: Option<Hit> = None;
-        self.traverse(direction, f64::INFINITY, |triangle, t, t_max| {
+        self.traverse(&Ray::new(DVec3::ZERO, direction), f64::INFINITY, |triangle, t, t_max| {
             if t < t_min || t >= t_max {
                 return t_max;
             }
@@ -176,9 +176,15 @@ impl Reference {
     /// more than about 1 degree to the ray). `slack` is how far rounding may have moved the target.
     #[must_use]
     pub fn occluded(&self, target: DVec3, ignore: Option<u32>, t_min: f64, slack: f64) -> bool {
-        let distance = target.length();
+        self.occluded_from(DVec3::ZERO, target, ignore, t_min, slack)
+    }
+
+    /// [`Self::occluded`] for a ray that starts elsewhere (relative to the light), with `t_min` the distance from there.
+    #[must_use]
+    pub fn occluded_from(&self, from: DVec3, target: DVec3, ignore: Option<u32>, t_min: f64, slack: f64) -> bool {
+        let distance = target.distance(from);
         let mut occluded = false;
-        self.traverse(target / distance, distance, |triangle, t, t_max| {
+        self.traverse(&Ray::new(from, (target - from) / distance), distance, |triangle, t, t_max| {
             if t < t_min
                 || t >= distance
                 || Some(triangle) == ignore
@@ -205,19 +211,19 @@ impl Reference {
 
     /// Walks the tree near child first. `visit` gets each triangle that the ray meets at `t <= t_max`, with `t` and
     /// `t_max`, and returns the new `t_max`; minus infinity ends the walk.
-    fn traverse(&self, direction: DVec3, mut t_max: f64, mut visit: impl FnMut(u32, f64, f64) -> f64) {
+    fn traverse(&self, ray: &Ray, mut t_max: f64, mut visit: impl FnMut(u32, f64, f64) -> f64) {
         if self.nodes.is_empty() {
             return;
         }
-        let inverse = finite_inverse(direction);
         let mut stack: Vec<(u32, f32)> = Vec::with_capacity(self.depth + 1);
         let mut next = Some(0);
         while let Some(index) = next {
             if index & LEAF != 0 {
                 let triangle = index & !LEAF;
-                if let Some(t) = intersect(&self.triangles[triangle as usize], direction)
+                let corners = self.triangles[triangle as usize].map(|corner| corner - ray.origin);
+                if let Some(t) = intersect(&corners, ray.direction)
                     && t <= t_max
-                    && !self.is_hole(triangle, direction)
+                    && !self.cut_outs.is_hole(triangle, &corners, ray.direction)
                 {
                     t_max = visit(triangle, t, t_max);
                 }
@@ -225,7 +231,7 @@ impl Reference {
                 continue;
             }
             let node = &self.nodes[index as usize];
-            let entries = node.boxes.map(|bounds| bounds.entry(inverse, t_max));
+            let entries = node.boxes.map(|bounds| bounds.entry(ray, t_max));
             next = match entries {
                 [Some(left), Some(right)] => {
                     let near = usize::from(right < left);
@@ -237,6 +243,22 @@ impl Reference {
                 [None, None] => pop_nearer(&mut stack, t_max),
             };
         }
+    }
+}
+
+/// A ray in the light's own space.
+struct Ray {
+    origin: DVec3,
+    direction: DVec3,
+    /// The origin for boxes, if it isn't zero.
+    start: Option<Vec3>,
+    inverse: Vec3,
+}
+
+impl Ray {
+    fn new(origin: DVec3, direction: DVec3) -> Self {
+        let start = (origin != DVec3::ZERO).then(|| origin.as_vec3());
+        Self { origin, direction, start, inverse: finite_inverse(direction) }
     }
 }
 
@@ -328,11 +350,19 @@ impl Bounds {
         Self { min: corner(&bounds.min, round_down), max: corner(&bounds.max, round_up) }
     }
 
-    /// Distance at which the ray from the origin enters the box, if it does at `t_max` at the latest. A lower bound.
+    /// Distance at which a ray enters the box, if it does at `t_max` at the latest. A lower bound.
     ///
-    /// The origin is what makes single precision enough: each bound is one product, without cancellation.
-    fn entry(&self, inverse: Vec3, t_max: f64) -> Option<f32> {
-        let (one, other) = (self.min * inverse, self.max * inverse);
+    /// That rays start at the origin is what makes single precision enough: each bound is one product, without
+    /// cancellation. For others the box is wider by the rounding of the difference.
+    fn entry(&self, ray: &Ray, t_max: f64) -> Option<f32> {
+        let inverse = ray.inverse;
+        let (one, other) = match ray.start {
+            None => (self.min * inverse, self.max * inverse),
+            Some(start) => {
+                let rounding = BOX_MARGIN * (start.abs() + self.min.abs().max(self.max.abs()));
+                ((self.min - start - rounding) * inverse, (self.max - start + rounding) * inverse)
+            }
+        };
         let entry = one.min(other).max_element().max(0.0) * (1.0 - BOX_MARGIN);
         let exit = one.max(other).min_element() * (1.0 + BOX_MARGIN);
         (entry <= exit && f64::from(entry) <= t_max).then_some(entry)

@@ -9,6 +9,7 @@ mod custom;
 mod deforming;
 mod degenerate;
 mod device_loss;
+mod filters;
 mod hard_cases;
 mod mapping;
 mod masked;

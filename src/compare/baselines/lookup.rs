@@ -9,6 +9,8 @@ use serde::Serialize;
 pub enum Lookup {
     /// `dp_shadow`: four texels, each compared with the receiver's plane.
     Paraboloid,
+    /// `dp_shadow_filtered`: the light's own filter, without noise.
+    Filtered,
     /// The hardware's comparison in a warped pair: four texels, one reference, a constant bias.
     VertexWarp,
     /// The hardware's comparison in a cube: four texels, one reference, a constant and a normal-offset bias.
@@ -23,6 +25,7 @@ impl Lookup {
     pub fn name(self) -> &'static str {
         match self {
             Self::Paraboloid => "paraboloid",
+            Self::Filtered => "filtered",
             Self::VertexWarp => "vertex-warp",
             Self::CubeHardware => "cube-hardware",
             Self::CubePlane => "cube-plane",
@@ -33,7 +36,7 @@ impl Lookup {
     #[must_use]
     pub fn text(self, group: u32) -> String {
         match self {
-            Self::Paraboloid => crate::wgsl::lookup(group),
+            Self::Paraboloid | Self::Filtered => crate::wgsl::lookup(group),
             Self::VertexWarp => vertex_warp::lookup_text(group),
             Self::CubeHardware | Self::CubePlane => cube_lookup::text(group),
         }
@@ -45,6 +48,7 @@ impl Lookup {
     pub fn expression(self) -> &'static str {
         match self {
             Self::Paraboloid => "dp_shadow(0u, position, normal)",
+            Self::Filtered => "dp_shadow_filtered(0u, position, normal, 0.0)",
             Self::VertexWarp => "warp_shadow(position)",
             Self::CubeHardware => "cube_shadow_hardware(position, normal)",
             Self::CubePlane => "cube_shadow_plane(position, normal)",

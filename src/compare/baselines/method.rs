@@ -94,7 +94,13 @@ impl Method {
         if self.is_cube() { 6 } else { 2 }
     }
 
-    /// The lookups that read its map: none for [`Method::DepthView`], which no light looks out of.
+    /// Whether a lookup reads its map.
+    #[must_use]
+    pub fn is_read_by(self, lookup: Lookup) -> bool {
+        self.lookups().contains(&lookup) || (self == Self::Paraboloid && lookup == Lookup::Filtered)
+    }
+
+    /// The lookups by which it is compared: none for [`Method::DepthView`], which no light looks out of.
     #[must_use]
     pub fn lookups(self) -> &'static [Lookup] {
         match self {

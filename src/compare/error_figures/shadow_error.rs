@@ -105,9 +105,22 @@ pub fn near_boundary(
     view: &View,
     geometry: &MapGeometry,
 ) -> bool {
+    boundary_within(FAR_TEXELS, receiver, lit, reference, view, geometry)
+}
+
+/// [`near_boundary`] for another distance, in texels.
+#[must_use]
+pub fn boundary_within(
+    reach: f64,
+    receiver: &Receiver,
+    lit: bool,
+    reference: &Reference,
+    view: &View,
+    geometry: &MapGeometry,
+) -> bool {
     let search = BoundarySearch::new(receiver, lit, reference, view, geometry);
     let p = search.plane.p;
-    nearby_texel_centres(p, geometry).chain(nearby_rings(p, geometry)).any(|q| search.is_other_side(q))
+    nearby_texel_centres(p, geometry, reach).chain(nearby_rings(p, geometry, reach)).any(|q| search.is_other_side(q))
 }
 
 struct BoundarySearch<'a> {
@@ -193,20 +206,22 @@ impl Plane {
     }
 }
 
-/// Centres of the texels that a lookup at `p` or close by reads.
-fn nearby_texel_centres(p: DVec2, geometry: &MapGeometry) -> impl Iterator<Item = DVec2> {
+/// Centres of the texels that a lookup at `p` or close by reads; of wide kernels, those in the middle.
+fn nearby_texel_centres(p: DVec2, geometry: &MapGeometry, reach: f64) -> impl Iterator<Item = DVec2> {
     let texel = geometry.texel();
     let offset = geometry.position(p).fract() - 0.5;
-    let around = (-2..=2).flat_map(|row| (-2..=2).map(move |column| DVec2::new(f64::from(column), f64::from(row))));
+    let side = reach.ceil().min(6.0) as i32;
+    let around =
+        (-side..=side).flat_map(move |row| (-side..=side).map(move |column| DVec2::new(column.into(), row.into())));
     around
         .map(move |cell| cell - offset)
-        .filter(|from_p| from_p.length() <= FAR_TEXELS)
+        .filter(move |from_p| from_p.length() <= reach)
         .map(move |from_p| p + DVec2::new(from_p.x, -from_p.y) * texel)
 }
 
 /// Rings around `p` that fill the disc evenly.
-fn nearby_rings(p: DVec2, geometry: &MapGeometry) -> impl Iterator<Item = DVec2> {
-    let reach = FAR_TEXELS * geometry.texel();
+fn nearby_rings(p: DVec2, geometry: &MapGeometry, reach: f64) -> impl Iterator<Item = DVec2> {
+    let reach = reach * geometry.texel();
     (1..=RINGS).flat_map(move |ring| {
         let rays = RAYS_OF_FIRST_RING * ring;
         let radius = reach * ring as f64 / RINGS as f64;

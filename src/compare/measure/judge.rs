@@ -7,10 +7,10 @@ use glam::Vec3;
 
 use super::Truth;
 use crate::compare::baselines::{Baseline, ConstantBias, DeviceScene, Lookup};
-use crate::compare::error_figures::{MapError, ShadowError, map_error};
+use crate::compare::error_figures::{FilterError, MapError, ShadowError, filter_error, map_error};
 use crate::compare::gpu::{Evaluator, Gpu};
 use crate::compare::ideal::{IdealMap, MapGeometry};
-use crate::{Error, PointLight};
+use crate::{Error, Filter, PointLight};
 
 /// The constant biases that are tried for [`Lookup::VertexWarp`], in distances of the farthest receiver from the light:
 /// four to a decade.
@@ -25,6 +25,8 @@ pub struct Judged {
     pub map: Option<MapError>,
     /// Of the lookup's answers.
     pub shadow: ShadowError,
+    /// Of the lookup's answers where its whole kernel is lit or dark; the paraboloid's alone.
+    pub filter: Option<FilterError>,
     /// The ray-cast map and the errors of the lookup on it; the paraboloid's alone.
     pub ideal: Option<(IdealMap, ShadowError)>,
     /// The bias that was the best of [`BIASES`], in world units; the vertex warp's alone.
@@ -58,6 +60,12 @@ impl<'a> Judge<'a> {
         Self { gpu, light, truth, inputs: truth.inputs(), evaluators: HashMap::new() }
     }
 
+    /// The device.
+    #[must_use]
+    pub fn gpu(&self) -> &'a Gpu {
+        self.gpu
+    }
+
     /// The light.
     #[must_use]
     pub fn light(&self) -> &PointLight {
@@ -85,15 +93,17 @@ impl<'a> Judge<'a> {
         let Some(Answers { values, bias }) = self.answers(baseline, lookup, scene)? else { return Ok(None) };
         let Some(shadows) = baseline.shadows() else {
             let shadow = truth.judge(&values, &pair_of_equal_texels(baseline.texels()));
-            return Ok(Some(Judged { map: None, shadow, ideal: None, bias, stored: Vec::new() }));
+            return Ok(Some(Judged { map: None, shadow, filter: None, ideal: None, bias, stored: Vec::new() }));
         };
         let guard = f64::from(shadows.half_width()) - 1.0;
         let geometry = MapGeometry { resolution: shadows.maps().height(), guard };
         let (map, error) = truth.ideal(geometry, f64::from(shadows.depth_tolerance()));
         let stored: Vec<f32> = self.gpu.read_texture(baseline.map(), 0);
+        let kernel = if lookup == Lookup::Filtered { self.light.filter } else { Filter::Bilinear };
         Ok(Some(Judged {
             map: Some(map_error(&stored, &map, &truth.reference, &truth.view)),
             shadow: truth.judge(&values, &geometry),
+            filter: Some(filter_error(truth, &values, &geometry, kernel)),
             ideal: Some((map, error)),
             bias,
             stored,

@@ -1,0 +1,350 @@
+// Filters: shadows with softer edges than those of `dp_shadow`. Goes with lookup.wgsl, which declares what is read.
+//
+// All have one signature: `dp_shadow`'s arguments, and a `noise` from 0 to 1 that turns the spiral of those that take
+// taps along one; 0 gives the same taps everywhere, a number that changes with pixel and frame suits temporal
+// antialiasing. They may be called wherever `dp_shadow` may.
+
+// Twins of the kinds in src/filter.rs.
+const DP_BILINEAR: u32 = 0u;
+const DP_HARD: u32 = 1u;
+const DP_PCF3: u32 = 2u;
+const DP_PCF5: u32 = 3u;
+const DP_DISC: u32 = 4u;
+const DP_SOFT: u32 = 5u;
+
+// Widest kernel, as the angle between its middle and its rim at the light: 20 degrees.
+const DP_WIDEST: f32 = 0.34906585;
+// Between neighbours of a spiral: the golden angle.
+const DP_GOLDEN_ANGLE: f32 = 2.3999632;
+const DP_TURN: f32 = 6.2831853;
+
+// By the light's own filter.
+fn dp_shadow_filtered(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, noise, dp_lights[light].filtering);
+}
+
+// `dp_shadow` decided for light or darkness: the sharpest edge that the maps give.
+fn dp_shadow_hard(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, noise, DpFilter(DP_HARD, 0.0, 0u));
+}
+
+// The mean over 3 x 3 texels around the receiver.
+fn dp_shadow_pcf3(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, noise, DpFilter(DP_PCF3, 0.0, 0u));
+}
+
+// The mean over 5 x 5 texels around the receiver.
+fn dp_shadow_pcf5(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, noise, DpFilter(DP_PCF5, 0.0, 0u));
+}
+
+// The mean over a disc of directions as wide as the light's `Filter::Disc` has it; else `dp_shadow`.
+fn dp_shadow_disc(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, noise, dp_own_filter(light, DP_DISC));
+}
+
+// The share of a sphere of the radius that the light's `Filter::Soft` has; else `dp_shadow`.
+fn dp_shadow_soft(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, noise, dp_own_filter(light, DP_SOFT));
+}
+
+// The light's settings of a kind of filter, of no size if it has another kind.
+fn dp_own_filter(light: u32, kind: u32) -> DpFilter {
+    let own = dp_lights[light].filtering;
+    return DpFilter(kind, select(0.0, own.size, own.kind == kind), own.taps);
+}
+
+// By any filter, whatever the light's own.
+fn dp_shadow_with(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32, filtering: DpFilter) -> f32 {
+    let receiver = dp_locate(light, position, normal);
+    if dp_is_out_of_range(light, receiver) {
+        return 1.0;
+    }
+    if !dp_has_hemisphere(light, receiver.back) {
+        return 0.0;
+    }
+    switch filtering.kind {
+        case DP_HARD: {
+            return step(0.5, dp_sample_bilinear(light, receiver));
+        }
+        case DP_PCF3: {
+            return dp_sample_across(light, receiver, 2u);
+        }
+        case DP_PCF5: {
+            return dp_sample_across(light, receiver, 3u);
+        }
+        case DP_DISC: {
+            return dp_sample_disc(light, receiver, noise, filtering);
+        }
+        case DP_SOFT: {
+            return dp_sample_soft(light, receiver, noise, filtering);
+        }
+        default: {
+            return dp_sample_bilinear(light, receiver);
+        }
+    }
+}
+
+// `dp_sample_square`, blended with that of the other hemisphere within a texel of the seam, where one map's texels give
+// way to the other's.
+fn dp_sample_across(light: u32, receiver: DpReceiver, quads: u32) -> f32 {
+    let own = dp_sample_square(light, receiver, quads);
+    let inside = (1.0 - length(receiver.map)) * dp_lights[light].texels;
+    if inside >= 1.0 || !dp_has_hemisphere(light, !receiver.back) {
+        return own;
+    }
+    return mix(dp_sample_square(light, dp_turned(receiver), quads), own, 0.5 + 0.5 * max(inside, 0.0));
+}
+
+// The votes of `2 quads` x `2 quads` texels around the receiver, weighted as if a square of one texel less each way
+// were cut out of them around it.
+fn dp_sample_square(light: u32, receiver: DpReceiver, quads: u32) -> f32 {
+    let at = dp_texel_position(light, receiver.map);
+    let base = floor(at);
+    let f = at - base;
+    let last = quads - 1u;
+    let footprint = dp_footprint(light, receiver.map);
+    // Past the guard band there is nothing to be read.
+    let end = 0.5 * f32(textureDimensions(dp_maps).y) / dp_lights[light].texels;
+    var lit = 0.0;
+    var dark = 0.0;
+    for (var y = 0u; y < quads; y++) {
+        for (var x = 0u; x < quads; x++) {
+            let corner = base - f32(last) + 2.0 * vec2<f32>(f32(x), f32(y));
+            let texels = dp_gather(light, receiver.back, corner);
+            let votes = dp_votes(light, receiver, dp_margins(light, receiver, texels, footprint));
+            let columns = vec2<f32>(select(1.0, 1.0 - f.x, x == 0u), select(1.0, f.x, x == last));
+            let rows = vec2<f32>(select(1.0, 1.0 - f.y, y == 0u), select(1.0, f.y, y == last));
+            let held = texels.u * texels.u + texels.v * texels.v <= vec4<f32>(end * end);
+            let weights = select(vec4<f32>(0.0), columns.xyyx * rows.yyxx, held);
+            lit += dot(weights, votes.lit);
+            dark += dot(weights, votes.dark);
+        }
+    }
+    let side = f32(quads + last);
+    return dp_count(lit / (side * side), dark / (side * side));
+}
+
+// Directions around a receiver's: its own, and two at right angles to it and to each other, in its hemisphere's space.
+struct DpFrame {
+    ahead: vec3<f32>,
+    across: vec3<f32>,
+    up: vec3<f32>,
+}
+
+// Frisvad, "Building an Orthonormal Basis from a 3D Unit Vector Without Normalization" (2012), whose one singularity is
+// the axis behind. The back's frame is turned so that both agree at the seam, and spirals stay as they are across it.
+fn dp_frame(receiver: DpReceiver) -> DpFrame {
+    let d = normalize(receiver.position);
+    let s = 1.0 / (1.0 + d.z);
+    let across = vec3<f32>(1.0 - d.x * d.x * s, -d.x * d.y * s, -d.x);
+    let up = vec3<f32>(-d.x * d.y * s, 1.0 - d.y * d.y * s, -d.y);
+    let around = dot(d.xy, d.xy);
+    if !receiver.back || around < 1e-20 {
+        return DpFrame(d, across, up);
+    }
+    // Twice the angle around the axis.
+    let turn = vec2<f32>(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) / around;
+    return DpFrame(d, turn.x * across + turn.y * up, turn.x * up - turn.y * across);
+}
+
+// The direction number `tap` of a spiral, at an angle to the receiver's that is given by sine and cosine.
+fn dp_spiral(frame: DpFrame, tap: u32, noise: f32, angle: vec2<f32>) -> vec3<f32> {
+    let turn = DP_GOLDEN_ANGLE * f32(tap) + DP_TURN * noise;
+    return angle.y * frame.ahead + angle.x * (cos(turn) * frame.across + sin(turn) * frame.up);
+}
+
+// Sine and cosine of the angle of the tap number `tap` of `taps` that fill a disc of directions evenly (Vogel's spiral),
+// by the sine of half the disc's radius: the area of a cap grows with the square of that.
+fn dp_disc_angle(tap: u32, taps: u32, rim: f32) -> vec2<f32> {
+    let half_sine = rim * sqrt((f32(tap) + 0.5) / f32(taps));
+    return vec2<f32>(2.0 * half_sine * sqrt(1.0 - half_sine * half_sine), 1.0 - 2.0 * half_sine * half_sine);
+}
+
+// What the four texels around a direction say.
+struct DpTap {
+    // Their bilinear weights.
+    weights: vec4<f32>,
+    votes: DpVotes,
+    // As in lookup.wgsl.
+    margins: vec4<f32>,
+    // The receiver's distance from the light over that of what they hold; 0 if that is nothing.
+    nearness: vec4<f32>,
+}
+
+// The texels around any direction of the receiver's hemisphere space, in the map of the hemisphere that it lies in.
+fn dp_tap(light: u32, receiver: DpReceiver, direction: vec3<f32>) -> DpTap {
+    let crosses = direction.z < 0.0;
+    var local = receiver;
+    if crosses {
+        local = dp_turned(receiver);
+    }
+    let map = dp_project(dp_to_hemisphere(direction, crosses));
+    let around = dp_neighbours(light, local.back, map);
+    let margins = dp_margins(light, local, around.texels, dp_footprint(light, map));
+    var votes = dp_votes(light, local, margins);
+    if !dp_has_hemisphere(light, local.back) {
+        votes = DpVotes(vec4<f32>(0.0), vec4<f32>(1.0));
+    }
+    return DpTap(around.weights, votes, margins, dp_nearness(light, receiver, around.texels));
+}
+
+// The receiver as the other hemisphere has it.
+fn dp_turned(receiver: DpReceiver) -> DpReceiver {
+    let position = dp_to_hemisphere(receiver.position, true);
+    let normal = dp_to_hemisphere(receiver.normal, true);
+    return DpReceiver(position, normal, !receiver.back, dp_project(position));
+}
+
+fn dp_nearness(light: u32, receiver: DpReceiver, texels: DpTexels) -> vec4<f32> {
+    // The ray that has w = 1 is (1 + r^2)/2 long.
+    let lengths = 0.5 + 0.5 * (texels.u * texels.u + texels.v * texels.v);
+    return texels.stored * (length(receiver.position) / dp_lights[light].near) / lengths;
+}
+
+// Votes for light in a disc of directions of so many texels' radius. Where the receiver's surface ends within the disc,
+// what is behind its plane is seen past it. A receiver that the light's middle reaches (`centre` 1) sees the light
+// there too. One that it doesn't may be on the dark side of an object, so there only what is as near the plane as the
+// disc is wide counts, which may be the same surface, curved.
+fn dp_lit_in_disc(tap: DpTap, radius: f32, grazing: f32, centre: f32) -> vec4<f32> {
+    let near_plane = clamp(2.0 + tap.margins / (radius * (1.0 + grazing)), vec4<f32>(0.0), vec4<f32>(1.0));
+    let past_end = mix(near_plane, vec4<f32>(1.0), centre);
+    return select(vec4<f32>(0.0), past_end, tap.votes.dark == vec4<f32>(0.0));
+}
+
+// The mean over a disc of directions.
+fn dp_sample_disc(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFilter) -> f32 {
+    let centre = dp_sample_bilinear(light, receiver);
+    let radius = filtering.size / dp_footprint(light, receiver.map);
+    if radius < 0.5 {
+        return centre;
+    }
+    let grazing = dp_grazing(receiver);
+    let frame = dp_frame(receiver);
+    let rim = sin(0.5 * min(filtering.size, DP_WIDEST));
+    var lit = 0.0;
+    var dark = 0.0;
+    for (var i = 0u; i < filtering.taps; i++) {
+        let angle = dp_disc_angle(i, filtering.taps, rim);
+        let tap = dp_tap(light, receiver, dp_spiral(frame, i, noise, angle));
+        lit += dot(tap.weights, dp_lit_in_disc(tap, radius, grazing, centre));
+        dark += dot(tap.weights, tap.votes.dark);
+    }
+    return dp_count(lit / f32(filtering.taps), dark / f32(filtering.taps));
+}
+
+// The share of a sphere around the light that the receiver sees (contact hardening). What a texel holds at the angle t
+// from the receiver, `nearness` times as near to the light, stands before the sphere for the receiver if
+// sin t <= size (nearness - cos t), with the sphere's radius over the receiver's distance as its size. So a search
+// finds how wide a disc of directions has what stands before the sphere, and that disc is filtered. What stands
+// elsewhere, as the wall beside a floor does, says nothing about the sphere.
+fn dp_sample_soft(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFilter) -> f32 {
+    let size = filtering.size / max(length(receiver.position), 1e-30);
+    let footprint = dp_footprint(light, receiver.map);
+    // What throws penumbras that are narrower than a texel is left to the four texels around the receiver.
+    let around = dp_neighbours(light, receiver.back, receiver.map);
+    let votes = dp_votes(light, receiver, dp_margins(light, receiver, around.texels, footprint));
+    let nearness = dp_nearness(light, receiver, around.texels);
+    let blurred = dp_blurred(size / footprint, nearness);
+    let all = max(dot(around.weights, votes.lit + votes.dark), DP_QUORUM);
+    let contact = dot(around.weights, votes.dark * (1.0 - blurred)) / all;
+    let centre = 1.0 - dot(around.weights, votes.dark) / all;
+
+    let frame = dp_frame(receiver);
+    let hidden = around.weights * votes.dark;
+    let hider = dot(hidden, nearness) / max(dot(hidden, vec4<f32>(1.0)), 1e-6);
+    let blockers = dp_search(light, receiver, frame, noise, size, footprint, hider, filtering.taps);
+    let found = dp_found(hidden * blurred, nearness) + blockers.found;
+    if found.x < 1e-4 {
+        return 1.0 - contact;
+    }
+    let widest = dp_penumbra(size, 1.0 + found.x / found.y);
+    let rim = sin(0.5 * widest);
+    let grazing = dp_grazing(receiver);
+    var lit = 0.0;
+    var dark = 0.0;
+    for (var i = 0u; i < filtering.taps; i++) {
+        let angle = dp_disc_angle(i, filtering.taps, rim);
+        let tap = dp_tap(light, receiver, dp_spiral(frame, i, noise, angle));
+        let off = dp_off_middle(size, angle, tap.nearness);
+        let before = clamp(5.0 - 4.0 * off, vec4<f32>(0.0), vec4<f32>(1.0));
+        let blocked = tap.votes.dark * before * dp_blurred(size / footprint, tap.nearness);
+        lit += dot(tap.weights, dp_lit_in_disc(tap, widest / footprint, grazing, centre));
+        dark += dot(tap.weights, blocked);
+    }
+    let soft = dp_count(lit / f32(filtering.taps), dark / f32(filtering.taps));
+    return (1.0 - contact) * soft * mix(dp_count(blockers.open, blockers.covered), 1.0, centre);
+}
+
+// From 0 to 1 as the penumbra of what is so much nearer to the light than the receiver grows past a texel.
+fn dp_blurred(size_in_texels: f32, nearness: vec4<f32>) -> vec4<f32> {
+    return clamp(size_in_texels * (nearness - 1.0) - 0.5, vec4<f32>(0.0), vec4<f32>(1.0));
+}
+
+// How far from the sphere's middle, in its radii, the receiver sees what a tap at an angle (sine and cosine) holds;
+// large for what is behind.
+fn dp_off_middle(size: f32, angle: vec2<f32>, nearness: vec4<f32>) -> vec4<f32> {
+    return vec4<f32>(angle.x) / max(size * (nearness - angle.y), vec4<f32>(1e-6));
+}
+
+// Angle of the disc of directions that has what stands before the sphere, so much nearer than the receiver.
+fn dp_penumbra(size: f32, nearness: f32) -> f32 {
+    // sin t + size cos t = size nearness
+    let angle = asin(min(size * nearness * inverseSqrt(1.0 + size * size), 1.0)) - atan(size);
+    return clamp(angle, 0.0, DP_WIDEST);
+}
+
+// The sum of blockers' weights, and that of the weights over what their penumbras are proportional to: the mean of
+// several is nearer to the narrower ones, so that what throws a wide penumbra doesn't light what another keeps dark.
+fn dp_found(weights: vec4<f32>, nearness: vec4<f32>) -> vec2<f32> {
+    return vec2<f32>(dot(weights, vec4<f32>(1.0)), dot(weights, 1.0 / max(nearness - 1.0, vec4<f32>(1e-6))));
+}
+
+// What a search finds around a receiver.
+struct DpBlockers {
+    // A sum of `dp_found`.
+    found: vec2<f32>,
+    // Of what shows first beside something that hides the receiver and is near the light: how much is the receiver's
+    // surface, and how much stands before that.
+    open: f32,
+    covered: f32,
+}
+
+// How much nearer to the receiver than what hides it something must be, to be looked at behind it.
+const DP_BEHIND_HIDER: f32 = 0.25;
+
+// Looks for what may stand before the sphere. The taps are as many to each doubling of the angle, since what is far out
+// has to be near the light, and large in angle, to matter.
+fn dp_search(
+    light: u32,
+    receiver: DpReceiver,
+    frame: DpFrame,
+    noise: f32,
+    size: f32,
+    footprint: f32,
+    hider: f32,
+    taps: u32,
+) -> DpBlockers {
+    var result = DpBlockers(vec2<f32>(0.0), 0.0, 0.0);
+    var undecided = 1.0;
+    for (var i = 0u; i < taps; i++) {
+        let t = (f32(i) + 0.5) / f32(taps);
+        let angle = vec2<f32>(sin(DP_WIDEST * t * t * t), cos(DP_WIDEST * t * t * t));
+        let tap = dp_tap(light, receiver, dp_spiral(frame, i, noise, angle));
+        // Wider than what matters, since taps are few; the less it may matter, the less it counts.
+        let off = dp_off_middle(size, angle, tap.nearness);
+        let relevance = max(1.0 - 0.25 * off, vec4<f32>(0.0));
+        let blockers = tap.weights * tap.votes.dark * (relevance * relevance) * (relevance * relevance);
+        result.found += dp_found(blockers * dp_blurred(size / footprint, tap.nearness), tap.nearness);
+        let is_behind = tap.nearness - 1.0 < vec4<f32>(DP_BEHIND_HIDER * (hider - 1.0));
+        let behind = select(vec4<f32>(0.0), tap.weights * undecided, is_behind);
+        // What the receiver sees at more than 45 degrees to its ray, as the wall at a crease, is beside it.
+        let rises = vec4<f32>(angle.x) > tap.nearness - angle.y;
+        let covered = dot(select(behind, vec4<f32>(0.0), rises), tap.votes.dark);
+        let open = dot(behind, select(vec4<f32>(0.0), vec4<f32>(1.0), tap.votes.dark == vec4<f32>(0.0)));
+        result.covered += covered;
+        result.open += open;
+        undecided -= covered + open;
+    }
+    return result;
+}

@@ -1,0 +1,325 @@
+//! Filtered shadows: edges of one width everywhere, no line at the seam, no acne and no light where it is dark, and
+//! spheres of light against ray tracing.
+
+use crate::common::gpu;
+use crate::hard_cases::{boxes_around, orientation, room, scene, slack_ppm};
+use dual_paraboloid::compare::area_light::{shares_of_sphere, soft_error};
+use dual_paraboloid::compare::error_figures::filter_error;
+use dual_paraboloid::compare::gpu::evaluation;
+use dual_paraboloid::compare::measure::{Made, Truth, choose_light, light_for};
+use dual_paraboloid::compare::procedural::shapes::{cuboid, quad};
+use dual_paraboloid::compare::scene::{Scene, scenes_dir};
+use dual_paraboloid::{Coverage, Error, Filter, PointLight, PointShadowsDescriptor, wgsl};
+use glam::{Quat, Vec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+
+/// All filters with the settings that they have by default; the soft light has a radius of 0.1.
+const DEFAULTS: [Filter; 6] =
+    [Filter::Hard, Filter::Bilinear, Filter::Pcf3, Filter::Pcf5, Filter::disc(0.01), Filter::soft(0.1)];
+
+/// A light's maps of a scene, with room for every piece.
+fn made(scene: &Scene, light: PointLight, resolution: u32) -> Made {
+    let descriptor = PointShadowsDescriptor { resolution, capacity: 1, ..Default::default() };
+    let mut made = Made::new(gpu(), scene, light, &descriptor).unwrap();
+    gpu().wait();
+    record(&mut made);
+    made
+}
+
+fn record(made: &mut Made) -> u32 {
+    let mut count = 0;
+    let Made { shadows, casters, .. } = made;
+    gpu().submit(|encoder| count = shadows.record(&gpu().device, &gpu().queue, encoder, casters).unwrap());
+    count
+}
+
+/// Answers by another filter of the same map.
+fn values(made: &mut Made, light: PointLight, filter: Filter, inputs: &[(Vec3, Vec3)]) -> Vec<f32> {
+    made.shadows.set(made.light, PointLight { filter, ..light }).unwrap();
+    assert_eq!(record(made), 0, "another filter made the map stale");
+    gpu().filtered_values(&made.shadows, made.light, inputs)
+}
+
+/// The half of a wall's view that a sheet half way to it takes, over the wall, three units before a light at the origin
+/// that looks along +Z.
+fn half_plane() -> Scene {
+    let wall = quad(Vec3::new(-3.0, -3.0, 3.0), Vec3::X * 6.0, Vec3::Y * 6.0);
+    let sheet = quad(Vec3::new(0.0, -3.0, 1.5), Vec3::X * 3.0, Vec3::Y * 6.0);
+    scene([wall, sheet])
+}
+
+/// Points of the wall at these angles from its middle, positive under the sheet.
+fn across_the_edge(angles: &[f32]) -> Vec<(Vec3, Vec3)> {
+    angles.iter().map(|angle| (Vec3::new(3.0 * angle.tan(), 0.0, 3.0), Vec3::Z)).collect()
+}
+
+/// Share of a disc on the lit side of a straight edge, which is so many of its radii from the middle.
+fn share_of_disc(distance: f32) -> f32 {
+    let t = distance.clamp(-1.0, 1.0);
+    0.5 - (t.asin() + t * (1.0 - t * t).sqrt()) / PI
+}
+
+/// Turns of the light that put the wall's middle on the front's axis, beside it, near the rim, on it, and on the axis of
+/// the back.
+const TURNS: [f32; 6] = [0.0, 0.5, 1.3, FRAC_PI_2 - 0.01, FRAC_PI_2, PI];
+
+/// Asserts that an edge is what `expected` says of angles in radii, wherever in the map it lies, and as wide.
+fn assert_one_width(filter: Filter, radius: f32) {
+    let scene = half_plane();
+    let angles: Vec<f32> = (-60..=60).map(|k| 1.5 * radius * k as f32 / 60.0).collect();
+    let inputs = across_the_edge(&angles);
+    let mut widths = Vec::new();
+    for turn in TURNS.iter().flat_map(|angle| [Vec3::X, Vec3::Y].map(|axis| Quat::from_axis_angle(axis, *angle))) {
+        let light = PointLight { orientation: turn, filter, ..light_for(&scene, Vec3::ZERO) };
+        let made = made(&scene, light, 1024);
+        let values = gpu().filtered_values(&made.shadows, made.light, &inputs);
+        for (angle, value) in angles.iter().zip(&values) {
+            let expected = share_of_disc(angle / radius);
+            assert!((value - expected).abs() < 0.06, "{turn}, {angle}: {value}, not {expected}");
+        }
+        let at = |share: f32| {
+            let after = values.iter().position(|value| *value < share).unwrap();
+            let (a, b) = (values[after - 1], values[after]);
+            angles[after - 1] + (angles[after] - angles[after - 1]) * (a - share) / (a - b)
+        };
+        widths.push(at(0.25) - at(0.75));
+    }
+    // Half of the area of a disc is within 0.404 radii of a line through its middle.
+    let (low, high) = widths.iter().fold((f32::MAX, 0.0f32), |(low, high), w| (low.min(*w), high.max(*w)));
+    println!("{filter:?}: {:.3} to {:.3} of the width", low / (0.808 * radius), high / (0.808 * radius));
+    assert!(low > 0.93 * 0.808 * radius && high < 1.07 * 0.808 * radius, "{low} to {high}");
+}
+
+#[test]
+fn an_edge_of_a_disc_is_as_wide_at_the_rim_as_on_the_axis() {
+    assert_one_width(Filter::Disc { radius: 0.04, taps: 128 }, 0.04);
+}
+
+/// The sheet is half way to the wall, so its penumbra is as wide to the light as the sphere to the wall.
+#[test]
+fn a_penumbra_is_as_wide_at_the_rim_as_on_the_axis() {
+    assert_one_width(Filter::Soft { light_radius: 0.12, taps: 128 }, 0.04);
+}
+
+/// A wall is lit up to a block that stands on it: what rises beside a receiver isn't in its way.
+#[test]
+fn creases_are_not_dark() {
+    let wall = quad(Vec3::new(-3.0, -3.0, 3.0), Vec3::X * 6.0, Vec3::Y * 6.0);
+    let block = cuboid(Vec3::new(0.0, -3.0, 2.9), Vec3::new(2.0, 3.0, 3.0));
+    let scene = scene([wall, block]);
+    let light = PointLight { filter: Filter::soft(0.1), ..light_for(&scene, Vec3::new(-2.0, 0.0, 0.0)) };
+    let mut made = made(&scene, light, 1024);
+    let points: Vec<_> = (1..100).map(|k| (Vec3::new(-0.02 * k as f32, 0.1, 3.0), Vec3::Z)).collect();
+    for filter in DEFAULTS {
+        let dark = values(&mut made, light, filter, &points).into_iter().filter(|value| *value < 0.99).count();
+        // Only a fixed disc darkens the crease, 0.01 radians of 3.6 wide.
+        let allowed = if matches!(filter, Filter::Disc { .. }) { 3 } else { 1 };
+        assert!(dark <= allowed, "{filter:?}: {dark} points beside the block are dark");
+    }
+}
+
+/// Steps along paths across the seam, in random directions: how far each filter's values differ over each step, as the
+/// root of the mean square over the paths, and at most. The middle step crosses.
+fn steps_across_the_seam(filters: &[Filter], spacing: f32) -> Vec<Vec<(f64, f64)>> {
+    const STEPS: usize = 9;
+    let mut random = Pcg64::seed_from_u64(5);
+    let mut meshes = boxes_around(60, 1.0..3.0, &mut random);
+    meshes.push(room(4.0));
+    let scene = scene(meshes);
+    let mut squares = vec![vec![(0.0, 0.0f64); STEPS]; filters.len()];
+    let mut paths = 0;
+    for _ in 0..4 {
+        let light = PointLight { orientation: orientation(&mut random), ..light_for(&scene, Vec3::ZERO) };
+        let truth = Truth::new(&scene, &light, 0, 1);
+        let mut inputs = Vec::new();
+        for _ in 0..600 {
+            let turn = random.random_range(0.0..TAU);
+            let path: Vec<_> = (0..=STEPS)
+                .filter_map(|k| {
+                    let angle = spacing * (k as f32 - 0.5 * STEPS as f32);
+                    let d = Vec3::new(turn.cos() * angle.cos(), turn.sin() * angle.cos(), angle.sin());
+                    let d = (light.orientation * d).as_dvec3().normalize();
+                    let hit = truth.reference.nearest(d, 0.0)?;
+                    Some((hit.triangle / 2, ((d * hit.t).as_vec3(), truth.reference.normal(hit.triangle).as_vec3())))
+                })
+                .collect();
+            // Where the surface ends there are steps of another kind.
+            if path.iter().all(|(face, _)| *face == path[0].0) {
+                inputs.extend(path.into_iter().map(|(_, input)| input));
+                paths += 1;
+            }
+        }
+        let mut made = made(&scene, light, 256);
+        for (filter, squares) in filters.iter().zip(&mut squares) {
+            for path in values(&mut made, light, *filter, &inputs).chunks_exact(STEPS + 1) {
+                for (pair, square) in path.windows(2).zip(&mut *squares) {
+                    let change = f64::from((pair[1] - pair[0]).abs());
+                    *square = (square.0 + change * change, square.1.max(change));
+                }
+            }
+        }
+    }
+    let rms = |(sum, most): (f64, f64)| ((sum / f64::from(paths)).sqrt(), most);
+    squares.into_iter().map(|steps| steps.into_iter().map(rms).collect()).collect()
+}
+
+#[test]
+fn no_filter_shows_the_seam() {
+    let wide = [1.0f32, 5.0, 20.0].map(|degrees| Filter::Disc { radius: degrees.to_radians(), taps: 64 });
+    let filters = [&DEFAULTS[1..], &wide].concat();
+    // Half a texel at the rim of 256.
+    for (filter, mut steps) in filters.iter().zip(steps_across_the_seam(&filters, 0.5 * 2.0 * 1.03 / 256.0)) {
+        let crossing = steps.remove(4);
+        let (rms, most) = steps.iter().fold((0.0f64, 0.0f64), |(a, b), step| (a.max(step.0), b.max(step.1)));
+        println!("{filter:?}: {:.4} (most {:.3}), elsewhere {rms:.4} (most {most:.3})", crossing.0, crossing.1);
+        assert!(rms > 0.0 && crossing.0 <= 1.25 * rms && crossing.1 <= 1.1 * most, "{filter:?}: {crossing:?}");
+    }
+}
+
+fn furnished() -> Scene {
+    let mut meshes = boxes_around(40, 1.0..3.5, &mut Pcg64::seed_from_u64(21));
+    meshes.push(room(4.0));
+    scene(meshes)
+}
+
+/// Asserts for all filters that surfaces in the light are lit and those in the dark are dark, where all of the kernel
+/// is: at 99.99 % and at 99.9 % of the samples, within chance.
+fn assert_even_where_it_should_be(scene: &Scene, light: PointLight, resolution: u32, samples: usize) {
+    let mut made = made(scene, light, resolution);
+    let truth = Truth::new(scene, &light, samples, 3);
+    for filter in DEFAULTS {
+        let filter = match filter {
+            Filter::Soft { .. } => Filter::soft(0.005 * light.range),
+            other => other,
+        };
+        let values = values(&mut made, light, filter, &truth.inputs());
+        let error = filter_error(&truth, &values, &made.geometry(), filter);
+        println!("{:24} {filter:?}: {error:?}", scene.name);
+        let (acne, underlight) = (100.0 + slack_ppm(100.0, samples), 1000.0 + slack_ppm(1000.0, samples));
+        let is_even = error.acne_ppm <= acne && error.underlight_ppm <= underlight;
+        assert!(is_even, "{}, {filter:?}: {error:?}", scene.name);
+    }
+}
+
+#[test]
+fn no_acne_and_no_light_in_the_dark() {
+    let scene = furnished();
+    let light = PointLight { orientation: Quat::from_rotation_x(0.9), ..light_for(&scene, Vec3::ZERO) };
+    assert_even_where_it_should_be(&scene, light, 512, 20_000);
+}
+
+#[test]
+fn no_acne_and_no_light_in_the_dark_of_scenes() {
+    let Some(folder) = scenes_dir() else {
+        eprintln!("no scenes: set DP_SCENES to a folder with .glb files to test on them too");
+        return;
+    };
+    for name in ["barn_lamp.glb", "gallery_vr.glb", "lights_level_blenvy.glb"] {
+        let path = folder.join(name);
+        if path.exists() {
+            let scene = Scene::load(&path).unwrap();
+            let (light, _) = choose_light(&scene, None, None);
+            assert_even_where_it_should_be(&scene, light, 512, 10_000);
+        }
+    }
+}
+
+/// Spheres of light over plates and among boxes, against rays.
+#[test]
+fn soft_shadows_are_those_of_a_sphere() {
+    let plate = |y: f32, half: f32| cuboid(Vec3::new(-half, y - 0.01, -half), Vec3::new(half, y + 0.01, half));
+    let cases = [
+        ("a plate half way", scene([room(4.0), plate(-2.0, 0.5)]), 0.06),
+        ("a plate near the light", scene([room(4.0), plate(-0.6, 0.1)]), 0.08),
+        ("a plate near the floor", scene([room(4.0), plate(-2.9, 0.9)]), 0.12),
+        ("boxes", furnished(), 0.12),
+    ];
+    for (name, scene, allowed) in cases {
+        for radius in [0.1, 0.25] {
+            let light = PointLight {
+                filter: Filter::soft(radius),
+                orientation: Quat::from_rotation_x(FRAC_PI_4),
+                ..light_for(&scene, Vec3::ZERO)
+            };
+            let truth = Truth::new(&scene, &light, 6000, 1);
+            let shares = shares_of_sphere(&truth.receivers, &truth.reference, &truth.view, f64::from(radius), 256);
+            let mut made = made(&scene, light, 512);
+            let soft = soft_error(&values(&mut made, light, light.filter, &truth.inputs()), &shares);
+            let point = soft_error(&values(&mut made, light, Filter::Bilinear, &truth.inputs()), &shares);
+            println!("{name}, {radius}: {soft:.4?}; unfiltered {:.4}", point.penumbra_rms);
+            assert!(soft.penumbra_rms < allowed, "{name}, {radius}: {soft:?}");
+            assert!(soft.penumbra_rms < 0.6 * point.penumbra_rms, "{name}, {radius}: no better than unfiltered");
+        }
+    }
+}
+
+#[test]
+fn filters_by_name_are_those_of_the_light() {
+    let scene = furnished();
+    let light = PointLight { orientation: Quat::from_rotation_x(0.4), ..light_for(&scene, Vec3::ZERO) };
+    let mut made = made(&scene, light, 128);
+    let inputs = Truth::new(&scene, &light, 2000, 5).inputs();
+    let bilinear = values(&mut made, light, Filter::Bilinear, &inputs);
+    assert_eq!(bilinear, gpu().shadow_values(&made.shadows, made.light, &inputs));
+    let names = ["dp_shadow_hard", "", "dp_shadow_pcf3", "dp_shadow_pcf5", "dp_shadow_disc", "dp_shadow_soft"];
+    for (filter, name) in DEFAULTS.into_iter().zip(names).filter(|(_, name)| !name.is_empty()) {
+        let own = values(&mut made, light, filter, &inputs);
+        let text = [wgsl::lookup(0), evaluation(&format!("{name}(0u, position, normal, 0.0)"))].concat();
+        let named = || gpu().evaluate(&text, &[(made.shadows.bind_group(), made.shadows.bind_group_layout())], &inputs);
+        assert_eq!(own, named(), "{name}");
+        assert_ne!(own, bilinear, "{name}");
+        assert!(own.iter().all(|share| (0.0..=1.0).contains(share)), "{name}");
+    }
+    let hard = values(&mut made, light, Filter::Hard, &inputs);
+    let decided = bilinear.iter().map(|share| if *share >= 0.5 { 1.0 } else { 0.0 });
+    assert_eq!(hard, decided.collect::<Vec<f32>>());
+    // Without a size of their own both are unfiltered.
+    for filter in [Filter::Disc { radius: 0.0, taps: 1 }, Filter::Soft { light_radius: 0.0, taps: 1 }] {
+        let values = values(&mut made, light, filter, &inputs);
+        let off = values.iter().zip(&bilinear).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(off < 1e-5, "{filter:?}: {off}");
+    }
+}
+
+/// Of one hemisphere alone, what is behind is dark, in part of the kernel too.
+#[test]
+fn behind_one_hemisphere_it_is_dark() {
+    let scene = scene([room(4.0)]);
+    let light = PointLight { coverage: Coverage::Hemisphere, ..light_for(&scene, Vec3::ZERO) };
+    let radius = 0.1;
+    let mut made = made(&scene, light, 256);
+    let angles = [-0.05f32, 0.001, 0.05, 0.12];
+    let inputs: Vec<_> = angles.iter().map(|angle| (Vec3::new(4.0, 0.5, 4.0 * angle.tan()), Vec3::X)).collect();
+    let values = values(&mut made, light, Filter::Disc { radius, taps: 256 }, &inputs);
+    for (angle, value) in angles.iter().zip(values) {
+        let expected = if *angle < 0.0 { 0.0 } else { share_of_disc(-angle / radius) };
+        assert!((value - expected).abs() < 0.03, "{angle}: {value}, not {expected}");
+    }
+}
+
+#[test]
+fn wrong_settings_are_refused() {
+    let scene = scene([room(4.0)]);
+    let good = light_for(&scene, Vec3::ZERO);
+    let mut made = made(&scene, good, 32);
+    let wrong = [
+        ("filter's radius", Filter::Disc { radius: -0.1, taps: 8 }),
+        ("filter's radius", Filter::Disc { radius: f32::NAN, taps: 8 }),
+        ("filter's radius", Filter::Disc { radius: 0.36, taps: 8 }),
+        ("filter's number of taps", Filter::Disc { radius: 0.1, taps: 0 }),
+        ("filter's number of taps", Filter::Disc { radius: 0.1, taps: 257 }),
+        ("filter's light radius", Filter::Soft { light_radius: -1.0, taps: 8 }),
+        ("filter's light radius", Filter::Soft { light_radius: f32::NAN, taps: 8 }),
+        ("filter's light radius", Filter::Soft { light_radius: f32::INFINITY, taps: 8 }),
+        ("filter's number of taps", Filter::Soft { light_radius: 1.0, taps: 0 }),
+    ];
+    for (name, filter) in wrong {
+        match made.shadows.set(made.light, PointLight { filter, ..good }) {
+            Err(Error::InvalidLight { what, .. }) => assert_eq!(what, name),
+            other => panic!("{filter:?}: {other:?}"),
+        }
+    }
+    assert_eq!(record(&mut made), 0, "refused values made the light stale");
+}
