@@ -323,3 +323,27 @@ fn wrong_settings_are_refused() {
     }
     assert_eq!(record(&mut made), 0, "refused values made the light stale");
 }
+
+/// At the light, without a normal, on the axes, in the light's plane, inside of the sphere, in the smallest maps: some
+/// share.
+#[test]
+fn degenerate_receivers_have_a_share() {
+    let scene = scene([room(4.0)]);
+    let light = light_for(&scene, Vec3::ZERO);
+    let points = [Vec3::ZERO, 1e-30 * Vec3::X, Vec3::Z, Vec3::NEG_Z, Vec3::X, Vec3::new(0.3, 0.0, -4.0)];
+    let normals = [Vec3::ZERO, Vec3::X, Vec3::Z, 1e-20 * Vec3::Y];
+    let inputs: Vec<_> = points.iter().flat_map(|point| normals.map(|normal| (*point, normal))).collect();
+    for resolution in [1, 2, 16, 256] {
+        let mut made = made(&scene, light, resolution);
+        let extreme = [
+            Filter::Disc { radius: Filter::WIDEST, taps: 1 },
+            Filter::Soft { light_radius: 1e30, taps: 3 },
+            Filter::soft(3.0),
+        ];
+        for filter in DEFAULTS.into_iter().chain(extreme) {
+            for (value, input) in values(&mut made, light, filter, &inputs).iter().zip(&inputs) {
+                assert!((0.0..=1.0).contains(value), "{filter:?} at {resolution}: {value} at {input:?}");
+            }
+        }
+    }
+}
