@@ -2,7 +2,7 @@
 //! spheres of light against ray tracing.
 
 use crate::common::gpu;
-use crate::hard_cases::{boxes_around, orientation, room, scene, slack_ppm};
+use crate::hard_cases::{boxes_around, orientation, rod, room, scene, slack_ppm};
 use dual_paraboloid::compare::area_light::{shares_of_sphere, soft_error};
 use dual_paraboloid::compare::error_figures::filter_error;
 use dual_paraboloid::compare::gpu::evaluation;
@@ -226,6 +226,17 @@ fn no_acne_and_no_light_in_the_dark_of_scenes() {
     }
 }
 
+/// Poles of a few texels across the seam, along it and across the axes of a light that is turned by an eighth.
+fn poles() -> Scene {
+    let turn = Quat::from_rotation_x(FRAC_PI_4);
+    let seam = [(1.5, 0.3), (-1.2, 0.9), (0.4, -1.7)].map(|(x, y)| Vec3::new(x, y, 0.0));
+    let across = seam.map(|at| rod(turn * (at - Vec3::Z * 2.5), turn * (at + Vec3::Z * 2.5), 0.06));
+    let ends = [(1.3, -1.0, 1.0), (-1.9, -1.0, 1.3), (0.02, 1.4, 1.9)];
+    let along =
+        ends.map(|(z, left, right)| rod(turn * Vec3::new(-2.5, left, z), turn * Vec3::new(2.5, right, z), 0.06));
+    scene(across.into_iter().chain(along).chain([room(4.0)]))
+}
+
 /// Spheres of light over plates and among boxes, against rays.
 #[test]
 fn soft_shadows_are_those_of_a_sphere() {
@@ -235,6 +246,7 @@ fn soft_shadows_are_those_of_a_sphere() {
         ("a plate near the light", scene([room(4.0), plate(-0.6, 0.1)]), 0.08),
         ("a plate near the floor", scene([room(4.0), plate(-2.9, 0.9)]), 0.12),
         ("boxes", furnished(), 0.12),
+        ("poles across the seam and the axes", poles(), 0.12),
     ];
     for (name, scene, allowed) in cases {
         for radius in [0.1, 0.25] {
@@ -322,4 +334,28 @@ fn wrong_settings_are_refused() {
         }
     }
     assert_eq!(record(&mut made), 0, "refused values made the light stale");
+}
+
+/// At the light, without a normal, on the axes, in the light's plane, inside of the sphere, in the smallest maps: some
+/// share.
+#[test]
+fn degenerate_receivers_have_a_share() {
+    let scene = scene([room(4.0)]);
+    let light = light_for(&scene, Vec3::ZERO);
+    let points = [Vec3::ZERO, 1e-30 * Vec3::X, Vec3::Z, Vec3::NEG_Z, Vec3::X, Vec3::new(0.3, 0.0, -4.0)];
+    let normals = [Vec3::ZERO, Vec3::X, Vec3::Z, 1e-20 * Vec3::Y];
+    let inputs: Vec<_> = points.iter().flat_map(|point| normals.map(|normal| (*point, normal))).collect();
+    for resolution in [1, 2, 16, 256] {
+        let mut made = made(&scene, light, resolution);
+        let extreme = [
+            Filter::Disc { radius: Filter::WIDEST, taps: 1 },
+            Filter::Soft { light_radius: 1e30, taps: 3 },
+            Filter::soft(3.0),
+        ];
+        for filter in DEFAULTS.into_iter().chain(extreme) {
+            for (value, input) in values(&mut made, light, filter, &inputs).iter().zip(&inputs) {
+                assert!((0.0..=1.0).contains(value), "{filter:?} at {resolution}: {value} at {input:?}");
+            }
+        }
+    }
 }

@@ -49,7 +49,7 @@ fn block(centre: Vec3, half: Vec3) -> SceneMesh {
 }
 
 /// A thin rod between two points.
-fn rod(from: Vec3, to: Vec3, radius: f32) -> SceneMesh {
+pub fn rod(from: Vec3, to: Vec3, radius: f32) -> SceneMesh {
     let along = to - from;
     let turn = Quat::from_rotation_arc(Vec3::Y, along.normalize());
     placed(&cylinder(radius, along.length(), 6), Affine3A::from_rotation_translation(turn, from))
