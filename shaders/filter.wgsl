@@ -247,7 +247,8 @@ fn dp_sample_soft(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFil
     let nearness = dp_nearness(light, receiver, around.texels);
     let blurred = dp_blurred(size / footprint, nearness);
     let all = max(dot(around.weights, votes.lit + votes.dark), DP_QUORUM);
-    let contact = dot(around.weights, votes.dark * (1.0 - blurred)) / all;
+    // Division may be rounded up.
+    let contact = min(dot(around.weights, votes.dark * (1.0 - blurred)) / all, 1.0);
     let centre = 1.0 - dot(around.weights, votes.dark) / all;
 
     let frame = dp_frame(receiver);
