@@ -8,7 +8,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f32::consts::TAU;
 
-const CARDS: usize = 10;
+const CARDS: usize = 7;
 /// Metres along a card's edges.
 const CARD: f32 = 1.7;
 pub const TRUNK_HEIGHT: f32 = 1.6;
