@@ -1,4 +1,4 @@
-//! The scene: a plaza with lamps over it, a tree under each, a banner, and figures that walk in circles.
+//! The scene: a plaza with lamps over it, a tree beside each, a banner, and figures that walk in circles.
 
 use crate::{cloth, foliage};
 use dual_paraboloid::PointLight;

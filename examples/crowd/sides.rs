@@ -93,7 +93,8 @@ impl BothSides {
         [self.casters.memory(), self.shadows[0].memory(), self.shadows[1].memory()]
     }
 
-    /// Moves what walks or waves to where the plaza has it, for one way. Where nothing is to be stale, sees to it that nothing is.
+    /// Moves what walks or waves to where the plaza has it, for one way. Where nothing is to be stale, sees to it that
+    /// nothing is.
     pub fn move_for(&mut self, gpu: &Gpu, plaza: &Plaza, way: Way) -> anyhow::Result<()> {
         match way {
             Way::Still => gpu.submit(|encoder| self.record(gpu, plaza, encoder, Way::All))?,
