@@ -20,8 +20,9 @@ fn a_few_lights_and_figures() {
 
     let figures: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
     assert_eq!((&figures["lights"], &figures["instances"]), (&2.into(), &5.into()));
-    // Five figures, two posts of 44 triangles, and the ground.
-    assert_eq!(figures["triangles"], 5 * 990 + 2 * 44 + 12);
+    // Five figures, two lamps' posts of 44 triangles, two trees with seven leaf cards each, the banner with two posts
+    // of its own, and the ground.
+    assert_eq!(figures["triangles"], 5 * 990 + 2 * 44 + 2 * (44 + 14) + (3200 + 2 * 44) + 12);
     assert!(!figures["adapter"].as_str().unwrap().is_empty());
     for key in ["frame_ms_median", "record_cpu_us_median", "cube_frame_ms_median", "cube_record_cpu_us_median"] {
         assert!(figures[key].as_f64().unwrap() > 0.0, "{key}: {figures}");

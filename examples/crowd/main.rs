@@ -4,6 +4,8 @@
 mod arguments;
 #[path = "../render/camera.rs"]
 mod camera;
+mod cloth;
+mod foliage;
 #[path = "../render/model.rs"]
 mod model;
 mod plaza;

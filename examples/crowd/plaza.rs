@@ -1,5 +1,6 @@
-//! The scene: a plaza with lamps over it and figures that walk in circles.
+//! The scene: a plaza with lamps over it, a tree beside each, a banner, and figures that walk in circles.
 
+use crate::{cloth, foliage};
 use dual_paraboloid::PointLight;
 use dual_paraboloid::compare::procedural::shapes;
 use dual_paraboloid::compare::scene::{Camera, Material, Scene, SceneInstance, SceneMesh};
@@ -12,9 +13,13 @@ use std::f64::consts::PI;
 /// Metres between neighbouring lamps.
 const SPACING: f32 = 8.0;
 const LAMP_HEIGHT: f32 = 4.5;
+/// Of the banner's upper edge.
+const BANNER_HEIGHT: f32 = 3.6;
 /// Square metres a figure has at least; with many of them the plaza is larger than its lamps reach.
 const ROOM: f32 = 2.0;
 const STONE: [f32; 3] = [0.52, 0.47, 0.42];
+const BARK: [f32; 3] = [0.20, 0.14, 0.09];
+const CANVAS: [f32; 3] = [0.74, 0.58, 0.36];
 const CLOTHES: [[f32; 3]; 4] = [[0.66, 0.26, 0.15], [0.10, 0.38, 0.40], [0.70, 0.50, 0.16], [0.35, 0.33, 0.40]];
 
 /// Where a figure walks.
@@ -29,6 +34,8 @@ struct Walk {
 pub struct Plaza {
     pub scene: Scene,
     pub lights: Vec<PointLight>,
+    /// The banner among the scene's instances.
+    pub cloth: usize,
     walks: Vec<Walk>,
     /// The first figure among the scene's instances.
     first: usize,
@@ -53,9 +60,11 @@ impl Plaza {
         let posts = (1..lights).map(|k| Affine3A::from_translation(at(k, 0.0) + Vec3::X));
         scene.instances.extend(posts.map(|transform| SceneInstance { mesh, transform }));
         let light = |k| PointLight { position: at(k, LAMP_HEIGHT), range, ..Default::default() };
+        plant(&mut scene, (0..lights).map(|k| at(k, 0.0) + Vec3::new(2.2, 0.0, -1.4)));
+        let cloth = hang(&mut scene, mesh);
         let lights = (0..lights).map(light).collect();
         let first = scene.instances.len();
-        let mut plaza = Self { scene, lights, walks: Vec::new(), first, half_width };
+        let mut plaza = Self { scene, lights, cloth, walks: Vec::new(), first, half_width };
         plaza.people(figures, walking);
         plaza
     }
@@ -80,8 +89,10 @@ impl Plaza {
         self.go(0.0);
     }
 
-    /// Puts the figures where they are after so many seconds.
+    /// Puts the figures and the banner where they are after so many seconds.
     pub fn go(&mut self, seconds: f32) {
+        let banner = self.scene.instances[self.cloth].mesh;
+        self.scene.meshes[banner].positions = cloth::positions(seconds);
         for (walk, instance) in self.walks.iter().zip(&mut self.scene.instances[self.first..]) {
             let angle = walk.phase + walk.speed * seconds;
             let at = walk.centre + walk.radius * Vec3::new(angle.cos(), 0.0, -angle.sin());
@@ -90,15 +101,49 @@ impl Plaza {
         }
     }
 
-    /// The instances that move: numbers of the scene's.
+    /// The figures that move: numbers of the scene's instances.
     pub fn walking(&self) -> impl Iterator<Item = usize> {
         (self.first..).zip(&self.walks).filter(|(_, walk)| walk.speed != 0.0).map(|(instance, _)| instance)
+    }
+
+    /// The banner as it is now.
+    pub fn cloth_mesh(&self) -> &SceneMesh {
+        &self.scene.meshes[self.scene.instances[self.cloth].mesh]
     }
 
     pub fn camera(&self) -> Camera {
         let eye = self.half_width.min(24.0) * Vec3::new(0.55, 0.4, 0.9);
         Camera { eye, target: Vec3::new(0.0, 0.5, 0.0), fov_y: 0.9 }
     }
+}
+
+/// Adds trees, no two of which are turned alike.
+fn plant(scene: &mut Scene, places: impl Iterator<Item = Vec3>) {
+    scene.images.push(foliage::leaves());
+    scene.materials.extend([material(BARK), foliage::material(scene.images.len() - 1)]);
+    let (bark, leaves) = (scene.materials.len() - 2, scene.materials.len() - 1);
+    let trunk = shapes::cylinder(0.06, foliage::TRUNK_HEIGHT, 12);
+    let parts = [SceneMesh { material: bark, ..trunk }, SceneMesh { material: leaves, ..foliage::crown() }];
+    scene.meshes.extend(parts);
+    let (trunk, crown) = (scene.meshes.len() - 2, scene.meshes.len() - 1);
+    for (k, place) in places.enumerate() {
+        let transform = Affine3A::from_rotation_translation(Quat::from_rotation_y(k as f32), place);
+        scene.instances.extend([trunk, crown].map(|mesh| SceneInstance { mesh, transform }));
+    }
+}
+
+/// Hangs the banner between two posts, in the middle. Returns its instance's number.
+fn hang(scene: &mut Scene, post: usize) -> usize {
+    let middle = 0.6 * Vec3::Z;
+    for side in [-0.5, 0.5] {
+        let transform = Affine3A::from_translation(middle + side * cloth::WIDTH * Vec3::X);
+        scene.instances.push(SceneInstance { mesh: post, transform });
+    }
+    add(scene, cloth::mesh(), CANVAS, Affine3A::from_translation(middle + BANNER_HEIGHT * Vec3::Y));
+    if let Some(canvas) = scene.materials.last_mut() {
+        canvas.double_sided = true;
+    }
+    scene.instances.len() - 1
 }
 
 /// Adds a mesh with an instance of it.

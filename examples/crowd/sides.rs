@@ -1,5 +1,6 @@
 //! The two sides of the comparison: this library and the culled cube, each with all lights, and how to time them.
 
+use crate::cloth::Cloth;
 use crate::plaza::Plaza;
 use anyhow::Context;
 use dual_paraboloid::compare::baselines::{Budget, ConstantBias, Cube, Culling, Method, SceneBuffers};
@@ -36,6 +37,7 @@ impl Way {
 pub struct BothSides {
     casters: Casters,
     instances: Vec<InstanceId>,
+    cloth: Cloth,
     /// Without and with maps of the static casters.
     shadows: [PointShadows; 2],
     buffers: SceneBuffers,
@@ -66,8 +68,11 @@ impl BothSides {
     pub fn new(gpu: &Gpu, plaza: &Plaza, resolution: u32) -> anyhow::Result<Self> {
         let mut casters = Casters::new(&gpu.device);
         let instances = dual_paraboloid::compare::fill(&mut casters, gpu, &plaza.scene, Sides::Auto)?;
-        for walking in plaza.walking() {
-            casters.set_moving(instances[walking], true)?;
+        // The one that deforms is in the place of the stiff one.
+        casters.remove_instance(instances[plaza.cloth])?;
+        let cloth = Cloth::new(gpu, &mut casters, plaza.cloth_mesh(), &plaza.scene.instances[plaza.cloth])?;
+        for moving in plaza.walking().map(|walking| instances[walking]).chain([cloth.caster]) {
+            casters.set_moving(moving, true)?;
         }
         let shadows = [
             set_up(gpu, plaza, &mut casters, resolution, false)?.0,
@@ -76,7 +81,7 @@ impl BothSides {
         let buffers = SceneBuffers::new(&gpu.device, &plaza.scene, false)?;
         let side = Method::Cube.side(resolution, Budget::EqualTexels);
         let cubes = plaza.lights.iter().map(|_| Cube::new(&gpu.device, side, Culling::Frustum)).collect();
-        Ok(Self { casters, instances, shadows, buffers, cubes })
+        Ok(Self { casters, instances, cloth, shadows, buffers, cubes })
     }
 
     pub fn triangles(&self) -> u64 {
@@ -88,7 +93,8 @@ impl BothSides {
         [self.casters.memory(), self.shadows[0].memory(), self.shadows[1].memory()]
     }
 
-    /// Moves what walks to where the plaza has it, for one way. Where nothing is to be stale, sees to it that nothing is.
+    /// Moves what walks or waves to where the plaza has it, for one way. Where nothing is to be stale, sees to it that
+    /// nothing is.
     pub fn move_for(&mut self, gpu: &Gpu, plaza: &Plaza, way: Way) -> anyhow::Result<()> {
         match way {
             Way::Still => gpu.submit(|encoder| self.record(gpu, plaza, encoder, Way::All))?,
@@ -100,6 +106,7 @@ impl BothSides {
                 for walking in plaza.walking() {
                     self.casters.set_transform(self.instances[walking], plaza.scene.instances[walking].transform)?;
                 }
+                self.cloth.deform(gpu, &mut self.casters, plaza.cloth_mesh())?;
             }
         }
         Ok(())
