@@ -49,19 +49,16 @@ impl<T> Slots<T> {
             Some(Some((generation, value))) if handle.owner == self.owner && *generation == handle.generation => {
                 Ok(value)
             }
-            _ => Err(Error::StaleHandle {
-                what: self.what,
-                handle: format!("{}v{}", handle.slot, handle.generation),
-                owner: self.owner_name,
-            }),
+            _ => Err(stale(handle, self.what, self.owner_name)),
         }
     }
 
     pub(crate) fn get_mut(&mut self, handle: Handle) -> Result<&mut T, Error> {
-        self.get(handle)?;
-        match self.slots[handle.slot as usize].as_mut() {
-            Some((_, value)) => Ok(value),
-            None => unreachable!("found just above"),
+        match self.slots.get_mut(handle.slot as usize) {
+            Some(Some((generation, value))) if handle.owner == self.owner && *generation == handle.generation => {
+                Ok(value)
+            }
+            _ => Err(stale(handle, self.what, self.owner_name)),
         }
     }
 
@@ -82,4 +79,8 @@ impl<T> Slots<T> {
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut T)> {
         self.slots.iter_mut().enumerate().filter_map(|(slot, entry)| entry.as_mut().map(|(_, v)| (slot as u32, v)))
     }
+}
+
+fn stale(handle: Handle, what: &'static str, owner: &'static str) -> Error {
+    Error::StaleHandle { what, handle: format!("{}v{}", handle.slot, handle.generation), owner }
 }
