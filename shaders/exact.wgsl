@@ -18,7 +18,7 @@ struct Vertex {
 
 @vertex
 fn exact_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) place: u32) -> Vertex {
-    let at = 3u * (view.list_capacity * (HEMISPHERE + 1u) - 1u - place);
+    let at = 3u * (list_start(HEMISPHERE) + view.list_capacity - 1u - place);
     var result: Vertex;
     result.place = at;
     result.a = hemisphere_position(lists[at]);

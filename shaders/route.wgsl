@@ -1,15 +1,18 @@
 // Route: which triangles each hemisphere has to draw, and which have to be split first.
 // One workgroup takes one chunk after the other; a vertex is projected once for all its triangles.
 
-@group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read_write> arguments: Arguments;
+@group(0) @binding(0) var<uniform> views: array<View, MOST_JOBS>;
+@group(0) @binding(1) var<storage, read_write> arguments: array<Arguments, MOST_JOBS>;
 @group(0) @binding(2) var<storage, read> chunk_sources: array<ChunkSource>;
 @group(0) @binding(3) var<storage, read> chunk_bounds: array<ChunkBounds>;
 @group(0) @binding(4) var<storage, read> triangles: array<u32>;
 @group(0) @binding(5) var<storage, read> vertices: array<CasterVertex>;
-// A part for each hemisphere: what to draw from the front on, what to split from the end on.
+// A part for each job and hemisphere: what to draw from the front on, what to split from the end on.
 @group(0) @binding(6) var<storage, read_write> lists: array<u32>;
 
+// The workgroup's job and its number in the batch.
+var<private> view: View;
+var<private> job: u32;
 
 // A thread for each vertex and each triangle of a chunk is best where barriers are cheap.
 override THREADS: u32 = 256u;
@@ -40,9 +43,13 @@ fn route(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    for (var chunk = view.first_chunk + group.x; chunk < view.end_chunk; chunk += groups.x) {
-        let dropped = culling_rule(chunk) != 0u && faces_away(chunk_bounds[chunk], view.position);
-        let hemispheres = select(hemispheres_of(chunk), 0u, dropped);
+    job = group.z;
+    // What decides about barriers comes from here, since private variables aren't uniform.
+    let own = views[group.z];
+    view = own;
+    for (var chunk = own.first_chunk + group.x; chunk < own.end_chunk; chunk += groups.x) {
+        let dropped = culling_rule(own, chunk) != 0u && faces_away(chunk_bounds[chunk], own.position);
+        let hemispheres = select(hemispheres_of(own, chunk), 0u, dropped);
         for (var hemisphere = 0u; hemisphere < 2u; hemisphere += 1u) {
             if (hemispheres & (1u << hemisphere)) != 0u {
                 route_chunk(chunk, hemisphere, thread);
@@ -52,7 +59,7 @@ fn route(
 }
 
 // The hemispheres that the chunk may be seen in, as bits; none if it is unused, of another kind or out of range.
-fn hemispheres_of(chunk: u32) -> u32 {
+fn hemispheres_of(view: View, chunk: u32) -> u32 {
     let source = chunk_sources[chunk];
     if triangle_count(source) == 0u || (view.kinds & (1u << kind(source))) == 0u {
         return 0u;
@@ -77,7 +84,7 @@ fn hemispheres_of(chunk: u32) -> u32 {
 }
 
 // What is done with triangles that face away: CULL_CLOSED, CULL_ALWAYS or 0.
-fn culling_rule(chunk: u32) -> u32 {
+fn culling_rule(view: View, chunk: u32) -> u32 {
     let rule = culling(chunk_sources[chunk]);
     if rule != CULL_CLOSED {
         return rule;
@@ -102,7 +109,7 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     }
     workgroupBarrier();
 
-    let rule = culling_rule(chunk);
+    let rule = culling_rule(view, chunk);
     // A face turned to the light is clockwise in the map, since (u, v) is seen from the other side.
     let cull = select(0.0, chunk_bounds[chunk].handedness, rule != 0u);
     for (var t = thread; t < triangle_count(source); t += THREADS) {
@@ -117,12 +124,12 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     workgroupBarrier();
 
     if thread == 0u {
-        draw_base = atomicAdd(&arguments.whole[hemisphere].index_count, 3u * atomicLoad(&draw_count));
-        split_base = atomicAdd(&arguments.to_split[hemisphere], atomicLoad(&split_count));
+        draw_base = atomicAdd(&arguments[job].whole[hemisphere].index_count, 3u * atomicLoad(&draw_count));
+        split_base = atomicAdd(&arguments[job].to_split[hemisphere], atomicLoad(&split_count));
     }
     workgroupBarrier();
 
-    let part = 3u * view.list_capacity * hemisphere;
+    let part = 3u * list_start(hemisphere);
     for (var t = thread; t < triangle_count(source); t += THREADS) {
         let fate = fates[t];
         if (fate & KIND_MASK) != DROP {
@@ -156,7 +163,10 @@ fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
         return DROP;
     }
     let bends = edge_bends(a.xy, b.xy, c.xy);
-    let slants = edge_slants(unprojected(a), unprojected(b), unprojected(c));
+    let x = unprojected(a);
+    let y = unprojected(b);
+    let z = unprojected(c);
+    let slants = vec3<f32>(edge_slant(x, y), edge_slant(y, z), edge_slant(z, x));
     if any(bends * slants > vec3<f32>(WHOLE_SHARE * view.tolerance)) || any(bends > vec3<f32>(view.longest_bend)) {
         // Pieces of a closed piece's triangle are all kept: which of them are next to a turned one isn't known.
         let culls = select(0u, select(1u, 2u, cull < 0.0), rule == CULL_ALWAYS);

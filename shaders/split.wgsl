@@ -9,20 +9,24 @@
 // Twice: the first time (COARSE) over the route's triangles, where parts of big ones are handed on once they are
 // middling, so that the second time all workgroups have a share of a wall that fills the view.
 
-@group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read_write> arguments: Arguments;
+@group(0) @binding(0) var<uniform> views: array<View, MOST_JOBS>;
+@group(0) @binding(1) var<storage, read_write> arguments: array<Arguments, MOST_JOBS>;
 @group(0) @binding(2) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(3) var<storage, read> vertices: array<CasterVertex>;
 // Three corners a piece, relative to the light, each with a shift of its 1/w; in masked jobs the second corner has the
-// triangle's number in the lists in place of it, and the others' shifts are the same. A part for each hemisphere.
+// triangle's number in the lists in place of it, and the others' shifts are the same. A part for each job and hemisphere.
 @group(0) @binding(4) var<storage, read_write> pieces: array<vec4<f32>>;
-// Middling parts of big triangles, as on the stack; a part for each hemisphere.
+// Middling parts of big triangles, as on the stack; a part for each job and hemisphere.
 @group(0) @binding(5) var<storage, read_write> parts: array<Stacked>;
+
+// The workgroup's job and its number in the batch.
+var<private> view: View;
+var<private> job: u32;
 
 override COARSE: bool = true;
 
 override THREADS: u32 = 64u;
-const STACK: u32 = 264u;
+const STACK: u32 = 252u;
 // Cuts from a triangle to its smallest piece. Each halves the angle of an edge, so 8 would do; the rest is for edges
 // that come out of a cut longer than they would need.
 const MOST_LEVELS: u32 = 15u;
@@ -41,25 +45,37 @@ const SHAPE: f32 = 0.15;
 // that would be acne.
 const THICK_AWAY: f32 = 2.0;
 const THICK_TOWARD: f32 = 30.0;
+// Bend that no edge comes near: a limit for those that aren't cut any more.
+const NEVER: f32 = 1e9;
+// Share of its limit that the bend of a cut may have which is never cut itself: less than one, so that it isn't on the other
+// side either, however that rounds.
+const SHORT_SHARE: f32 = 0.99;
 // Parts that a hemisphere has room for; what finds none is cut where it is.
 const PART_CAPACITY: u32 = 16384u;
 
+// A triangle, or a quadrilateral of which two opposite sides may have to be cut, and the other two are short enough.
 struct Piece {
     a: vec3<f32>,
     b: vec3<f32>,
     c: vec3<f32>,
-    // How far the edges from a, from b and from c on may bend, in texels; 0 for parts of the triangle's own edges.
-    limits: vec3<f32>,
+    // Of a triangle the same as c.
+    d: vec3<f32>,
+    // How far the edges from a, from b, from c and from d on may bend, in texels; 0 for parts of the triangle's own edges.
+    limits: vec4<f32>,
     // Of the triangle's plane N.X = D in hemisphere space, |N.z| and N.z / D.
     slant: f32,
     lean: f32,
-    // Bits 0-21 the place in the list, 22-23 the cull flags, 27-30 the level, 31 whether it is part of a big piece.
+    // Bits 0-21 the place in the list, 22-23 the cull flags, 24 whether it is a quadrilateral, 27-30 the level, 31 whether
+    // it is part of a big piece.
     info: u32,
 }
 
-// A piece in fourteen numbers and its info.
-alias Stacked = array<u32, 15>;
+// A piece as sixteen words: three corners; of a triangle its three limits, of a quadrilateral its fourth corner; the limits
+// of a quadrilateral's long sides, as halves; slant, lean and info.
+alias Stacked = array<u32, 16>;
 
+const QUAD_FLAG: u32 = 0x1000000u;
+const LEVEL_SHIFT: u32 = 27u;
 const PART_FLAG: u32 = 0x80000000u;
 
 var<workgroup> stack: array<Stacked, STACK>;
@@ -74,14 +90,16 @@ fn split(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
+    job = group.z;
+    view = views[job];
     let hemisphere = group.y;
     if thread == 0u {
         atomicStore(&stack_size, 0u);
         atomicStore(&leaf_count, 0u);
         if COARSE {
-            size = atomicLoad(&arguments.to_split[hemisphere]);
+            size = atomicLoad(&arguments[job].to_split[hemisphere]);
         } else {
-            size = min(atomicLoad(&arguments.parts[hemisphere]), PART_CAPACITY);
+            size = min(atomicLoad(&arguments[job].parts[hemisphere]), PART_CAPACITY);
         }
     }
     let count = workgroupUniformLoad(&size);
@@ -92,7 +110,7 @@ fn split(
             if COARSE {
                 push(whole_triangle(hemisphere, place));
             } else {
-                push(from_stacked(parts[PART_CAPACITY * hemisphere + place]));
+                push(from_stacked(parts[parts_start(hemisphere) + place]));
             }
         }
         work(hemisphere, thread);
@@ -137,14 +155,20 @@ fn work(hemisphere: u32, thread: u32) {
 }
 
 fn from_stacked(s: Stacked) -> Piece {
+    let info = s[15];
+    let is_quad = (info & QUAD_FLAG) != 0u;
+    let c = bitcast<vec3<f32>>(vec3<u32>(s[6], s[7], s[8]));
+    let fourth = bitcast<vec3<f32>>(vec3<u32>(s[9], s[10], s[11]));
+    let sides = unpack2x16float(s[12]);
     return Piece(
         bitcast<vec3<f32>>(vec3<u32>(s[0], s[1], s[2])),
         bitcast<vec3<f32>>(vec3<u32>(s[3], s[4], s[5])),
-        bitcast<vec3<f32>>(vec3<u32>(s[6], s[7], s[8])),
-        bitcast<vec3<f32>>(vec3<u32>(s[9], s[10], s[11])),
-        bitcast<f32>(s[12]),
+        c,
+        select(c, fourth, is_quad),
+        select(vec4<f32>(fourth.xy, 0.0, fourth.z), vec4<f32>(sides.x, NEVER, sides.y, NEVER), is_quad),
         bitcast<f32>(s[13]),
-        s[14],
+        bitcast<f32>(s[14]),
+        info,
     );
 }
 
@@ -152,9 +176,10 @@ fn to_stacked(p: Piece) -> Stacked {
     let a = bitcast<vec3<u32>>(p.a);
     let b = bitcast<vec3<u32>>(p.b);
     let c = bitcast<vec3<u32>>(p.c);
-    let l = bitcast<vec3<u32>>(p.limits);
+    let d = bitcast<vec3<u32>>(select(p.limits.xyw, p.d, (p.info & QUAD_FLAG) != 0u));
     let plane = bitcast<vec2<u32>>(vec2<f32>(p.slant, p.lean));
-    return Stacked(a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, l.x, l.y, l.z, plane.x, plane.y, p.info);
+    let sides = pack2x16float(p.limits.xz);
+    return Stacked(a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z, sides, plane.x, plane.y, p.info);
 }
 
 fn push(piece: Piece) {
@@ -163,16 +188,21 @@ fn push(piece: Piece) {
 
 // Hands a piece on to the second time; false if there is no room.
 fn hand_on(hemisphere: u32, piece: Piece) -> bool {
-    let place = atomicAdd(&arguments.parts[hemisphere], 1u);
+    let place = atomicAdd(&arguments[job].parts[hemisphere], 1u);
     if place >= PART_CAPACITY {
         return false;
     }
-    parts[PART_CAPACITY * hemisphere + place] = to_stacked(piece);
+    parts[parts_start(hemisphere) + place] = to_stacked(piece);
     return true;
 }
 
+// Where a hemisphere's parts begin.
+fn parts_start(hemisphere: u32) -> u32 {
+    return PART_CAPACITY * (2u * job + hemisphere);
+}
+
 fn list_place(hemisphere: u32, place: u32) -> u32 {
-    return 3u * (view.list_capacity * (hemisphere + 1u) - 1u - place);
+    return 3u * (list_start(hemisphere) + view.list_capacity - 1u - place);
 }
 
 fn whole_triangle(hemisphere: u32, place: u32) -> Piece {
@@ -191,7 +221,7 @@ fn whole_triangle(hemisphere: u32, place: u32) -> Piece {
     let known = area > 1e-3 * length(e) * length(f);
     let slant = select(1.0, abs(normal_z) / area, known);
     let lean = select(0.0, normal_z / plane_distance, known && plane_distance != 0.0);
-    return Piece(a, b, c, vec3<f32>(), slant, lean, place | (culls << 22u));
+    return Piece(a, b, c, c, vec4<f32>(), slant, lean, place | (culls << 22u));
 }
 
 fn relative_position(vertex: u32) -> vec3<f32> {
@@ -203,31 +233,44 @@ fn cut(piece: Piece, hemisphere: u32, shift: ptr<function, vec3<f32>>) -> bool {
     let x = hemisphere_space(piece.a, hemisphere);
     let y = hemisphere_space(piece.b, hemisphere);
     let z = hemisphere_space(piece.c, hemisphere);
+    let o = hemisphere_space(piece.d, hemisphere);
     let a = project_corner(x);
     let b = project_corner(y);
     let c = project_corner(z);
+    let d = project_corner(o);
     // A triangle with a corner in the light itself is seen edge-on and covers nothing.
     let through_light = all(piece.a == vec3<f32>()) || all(piece.b == vec3<f32>()) || all(piece.c == vec3<f32>());
-    if through_light || is_outside(a, b, c) {
+    if through_light || (is_outside(a, b, c) && is_outside(a, c, d)) {
         return false;
     }
-    let level = (piece.info >> 27u) & 15u;
-    let bends = edge_bends(a.xy, b.xy, c.xy);
-    let excess = edge_excess(bends, outline_limits(a.xy, b.xy, c.xy, edge_slants(x, y, z)), piece.limits);
-    let cuts = select(vec3<u32>(), vec3<u32>(1u, 2u, 4u), excess > vec3<f32>(1.0));
-    let edges = cuts.x | cuts.y | cuts.z;
-    if edges == 0u || level == MOST_LEVELS {
+    let level = (piece.info >> LEVEL_SHIFT) & 15u;
+    let is_quad = (piece.info & QUAD_FLAG) != 0u;
+    let excess = vec4<f32>(
+        edge_excess(a.xy, b.xy, edge_slant(x, y), piece.limits.x),
+        edge_excess(b.xy, c.xy, edge_slant(y, z), piece.limits.y),
+        edge_excess(c.xy, d.xy, edge_slant(z, o), piece.limits.z),
+        edge_excess(d.xy, a.xy, edge_slant(o, x), piece.limits.w),
+    );
+    let cuts = select(vec4<u32>(), vec4<u32>(1u, 2u, 4u, 8u), excess > vec4<f32>(1.0));
+    let edges = cuts.x | cuts.y | cuts.z | cuts.w;
+    if !is_quad && (edges == 0u || level == MOST_LEVELS) {
         let cull = select(0.0, 1.0, (piece.info & (1u << 22u)) != 0u) - select(0.0, 1.0, (piece.info & (2u << 22u)) != 0u);
         // Pieces of masked triangles have room for one shift only.
         let flat = select(sliver_shifts(a, b, c), vec3<f32>(), is_masked_job());
         *shift = select(vec3<f32>(depth_shift(piece, a, b, c)), flat, any(flat != vec3<f32>()));
         return !(is_culled(a.xy, b.xy, c.xy, cull) || (REJECT && is_between_texels(a.xy, b.xy, c.xy)));
     }
-    let big = COARSE && max(excess.x, max(excess.y, excess.z)) > BIG;
+    let big = COARSE && max(max(excess.x, excess.y), max(excess.z, excess.w)) > BIG;
     if COARSE && !big && (piece.info & PART_FLAG) != 0u && hand_on(hemisphere, piece) {
         return false;
     }
-    push_parts(piece, edges, big, inner_limit(piece));
+    var rest = piece;
+    rest.info = (piece.info & 0x78ffffffu) | select(0u, PART_FLAG, big);
+    if is_quad {
+        push_quad_parts(rest, edges == 5u && level < MOST_LEVELS, hemisphere);
+    } else {
+        push_parts(rest, (edges & 3u) | ((edges >> 1u) & 4u), hemisphere);
+    }
     return false;
 }
 
@@ -240,7 +283,9 @@ fn inner_limit(piece: Piece) -> f32 {
     let sine = min(length(cross(ab, bc)), min(length(cross(bc, ca)), length(cross(ca, ab))));
     let flat = view.tolerance / max(piece.slant, 1e-6);
     let shape = SHAPE * sine * sqrt(view.tolerance * view.texels);
-    return max(view.tolerance, min(min(flat, shape), view.longest_bend));
+    let limit = max(view.tolerance, min(min(flat, shape), view.longest_bend));
+    // A half, as a quadrilateral keeps it.
+    return unpack2x16float(pack2x16float(vec2<f32>(limit))).x;
 }
 
 fn height_of(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> f32 {
@@ -251,17 +296,12 @@ fn height_of(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> f32 {
     return abs(e.x * g.y - e.y * g.x) / sqrt(longest);
 }
 
-// How far parts of a triangle's own edges may bend: a function of the two ends alone, the same from both sides. As far as
-// they curve, chords miss them by the bend; depth along them is off by the bend too, as far as they are across the axis.
-fn outline_limits(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, slants: vec3<f32>) -> vec3<f32> {
-    let curvatures = vec3<f32>(dp_edge_curvature(a, b), dp_edge_curvature(b, c), dp_edge_curvature(c, a));
-    return view.tolerance / max(slants, curvatures / OUTLINE_SHARE);
-}
-
-// How many times the bend they may have the edges have.
-fn edge_excess(bends: vec3<f32>, outline: vec3<f32>, inner: vec3<f32>) -> vec3<f32> {
-    let limits = min(select(inner, outline, inner == vec3<f32>()), vec3<f32>(view.longest_bend));
-    return bends / limits;
+// How many times the bend that it may have an edge has. How far parts of a triangle's own edges may bend is a function of the
+// two ends alone, the same from both sides. As far as they curve, chords miss them by the bend; depth along them is off by
+// the bend too, as far as they are across the axis.
+fn edge_excess(a: vec2<f32>, b: vec2<f32>, slant: f32, inner: f32) -> f32 {
+    let outline = view.tolerance / max(slant, dp_edge_curvature(a, b) / OUTLINE_SHARE);
+    return dp_edge_bend(a, b, view.texels) / min(select(inner, outline, inner == 0.0), view.longest_bend);
 }
 
 // What is added to 1/w of a piece. Interpolated linearly, 1/w is off by N.z/(2 D) times |p|^2 less its own interpolation,
@@ -287,12 +327,13 @@ fn depth_shift(piece: Piece, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {
     return clamp(shift, -limit, limit);
 }
 
-fn push_parts(piece: Piece, edges: u32, big: bool, inner: f32) {
+// Pushes the parts of a triangle; bits 0, 1 and 2 of `edges` say which are cut.
+fn push_parts(piece: Piece, edges: u32, hemisphere: u32) {
     // Turned so that the first edge is cut, and the second too if two are.
     var a = piece.a;
     var b = piece.b;
     var c = piece.c;
-    var outer = piece.limits;
+    var outer = piece.limits.xyw;
     if edges == 2u || edges == 6u {
         a = piece.b;
         b = piece.c;
@@ -304,27 +345,72 @@ fn push_parts(piece: Piece, edges: u32, big: bool, inner: f32) {
         c = piece.b;
         outer = outer.zxy;
     }
-    let level = ((piece.info >> 27u) & 15u) + 1u;
-    let info = (piece.info & 0xffffffu) | (level << 27u) | select(0u, PART_FLAG, big);
+    let inner = inner_limit(piece);
+    let info = piece.info + (1u << LEVEL_SHIFT);
     let ab = dp_bisect(a, b);
-    let slant = piece.slant;
-    let lean = piece.lean;
     if countOneBits(edges) == 1u {
-        push(Piece(a, ab, c, vec3<f32>(outer.x, inner, outer.z), slant, lean, info));
-        push(Piece(ab, b, c, vec3<f32>(outer.xy, inner), slant, lean, info));
+        push_triangle(piece, info, a, ab, c, vec3<f32>(outer.x, inner, outer.z));
+        push_triangle(piece, info, ab, b, c, vec3<f32>(outer.xy, inner));
         return;
     }
     let bc = dp_bisect(b, c);
-    push(Piece(ab, b, bc, vec3<f32>(outer.xy, inner), slant, lean, info));
+    push_triangle(piece, info, ab, b, bc, vec3<f32>(outer.xy, inner));
     if countOneBits(edges) == 2u {
-        push(Piece(a, ab, bc, vec3<f32>(outer.x, inner, inner), slant, lean, info));
-        push(Piece(a, bc, c, vec3<f32>(inner, outer.yz), slant, lean, info));
+        if is_short(ab, bc, inner, hemisphere) {
+            push_quad(piece, info, a, ab, bc, c, outer.xy);
+        } else {
+            push_triangle(piece, info, a, ab, bc, vec3<f32>(outer.x, inner, inner));
+            push_triangle(piece, info, a, bc, c, vec3<f32>(inner, outer.yz));
+        }
         return;
     }
     let ca = dp_bisect(c, a);
-    push(Piece(a, ab, ca, vec3<f32>(outer.x, inner, outer.z), slant, lean, info));
-    push(Piece(ca, bc, c, vec3<f32>(inner, outer.yz), slant, lean, info));
-    push(Piece(ab, bc, ca, vec3<f32>(inner), slant, lean, info));
+    push_triangle(piece, info, a, ab, ca, vec3<f32>(outer.x, inner, outer.z));
+    push_triangle(piece, info, ca, bc, c, vec3<f32>(inner, outer.yz));
+    push_triangle(piece, info, ab, bc, ca, vec3<f32>(inner));
+}
+
+// Pushes the parts of a quadrilateral, cut across if both long sides are to be cut; else it becomes two triangles.
+fn push_quad_parts(piece: Piece, across: bool, hemisphere: u32) {
+    let inner = inner_limit(piece);
+    let ab = dp_bisect(piece.a, piece.b);
+    let cd = dp_bisect(piece.c, piece.d);
+    if across && is_short(ab, cd, inner, hemisphere) {
+        let info = piece.info + (1u << LEVEL_SHIFT);
+        push_quad(piece, info, piece.a, ab, cd, piece.d, piece.limits.xz);
+        push_quad(piece, info, ab, piece.b, piece.c, cd, piece.limits.xz);
+        return;
+    }
+    push_triangle(piece, piece.info, piece.a, piece.b, piece.c, vec3<f32>(piece.limits.xy, inner));
+    push_triangle(piece, piece.info, piece.a, piece.c, piece.d, vec3<f32>(inner, piece.limits.zw));
+}
+
+// Whether a cut between two points is short enough that it is never cut itself.
+fn is_short(p: vec3<f32>, q: vec3<f32>, limit: f32, hemisphere: u32) -> bool {
+    let bend = dp_edge_bend(
+        dp_project(hemisphere_space(p, hemisphere)),
+        dp_project(hemisphere_space(q, hemisphere)),
+        view.texels,
+    );
+    return bend < SHORT_SHARE * limit;
+}
+
+// Pushes a triangle of the same plane as `whole`.
+fn push_triangle(whole: Piece, info: u32, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, limits: vec3<f32>) {
+    push(Piece(a, b, c, c, vec4<f32>(limits.xy, 0.0, limits.z), whole.slant, whole.lean, info));
+}
+
+// The same for a quadrilateral whose sides from a and from c on have `limits`.
+fn push_quad(
+    whole: Piece,
+    info: u32,
+    a: vec3<f32>,
+    b: vec3<f32>,
+    c: vec3<f32>,
+    d: vec3<f32>,
+    limits: vec2<f32>,
+) {
+    push(Piece(a, b, c, d, vec4<f32>(limits.x, NEVER, limits.y, NEVER), whole.slant, whole.lean, info | QUAD_FLAG));
 }
 
 // Room for `count` pieces: where they go. Pieces from the capacity on have no room.
@@ -332,8 +418,8 @@ fn reserve(hemisphere: u32, count: u32) -> u32 {
     if count == 0u {
         return 0u;
     }
-    let base = atomicAdd(&arguments.pieces_wanted[hemisphere], count);
-    atomicMax(&arguments.pieces[hemisphere].vertex_count, 3u * min(base + count, view.piece_capacity));
+    let base = atomicAdd(&arguments[job].pieces_wanted[hemisphere], count);
+    atomicMax(&arguments[job].pieces[hemisphere].vertex_count, 3u * min(base + count, view.piece_capacity));
     return base;
 }
 
@@ -342,7 +428,7 @@ fn write_leaf(hemisphere: u32, place: u32, piece: Piece, shift: vec3<f32>) {
         mark_overflow(hemisphere, piece.info & 0x3fffffu);
         return;
     }
-    let at = 3u * (view.piece_capacity * hemisphere + place);
+    let at = 3u * (view.first_piece + view.piece_capacity * hemisphere + place);
     // The triangle's number in the lists is below 2^24, so a float holds it.
     let number = f32(list_place(hemisphere, piece.info & 0x3fffffu) / 3u);
     pieces[at] = vec4<f32>(piece.a, shift.x);
@@ -353,6 +439,6 @@ fn write_leaf(hemisphere: u32, place: u32, piece: Piece, shift: vec3<f32>) {
 // The whole triangle is drawn exactly, besides the pieces of it that had room.
 fn mark_overflow(hemisphere: u32, place: u32) {
     lists[list_place(hemisphere, place)] |= OVERFLOW_FLAG;
-    atomicMax(&arguments.exact[hemisphere].vertex_count, 4u);
-    atomicMax(&arguments.exact[hemisphere].instance_count, place + 1u);
+    atomicMax(&arguments[job].exact[hemisphere].vertex_count, 4u);
+    atomicMax(&arguments[job].exact[hemisphere].instance_count, place + 1u);
 }

@@ -1,4 +1,5 @@
-// One light as the stages see it, and the layout of what they hand on; twins in src/view.rs.
+// A job, that is a light and a stretch of the chunks, as the stages see it, and the layout of what they hand on; twins in
+// src/view.rs.
 
 struct View {
     // Rows of the rotation from world to light space.
@@ -20,17 +21,16 @@ struct View {
     hemispheres: u32,
     first_chunk: u32,
     end_chunk: u32,
-    // Triangles that a hemisphere's part of the lists has room for.
+    // Where the job's share of the lists begins, in triangles, and how many each hemisphere has room for there.
+    first_triangle: u32,
     list_capacity: u32,
-    // Pieces that a hemisphere's part of the pieces has room for.
+    // The same of the pieces.
+    first_piece: u32,
     piece_capacity: u32,
     // How far a chord may bend inside of a triangle, where its plane doesn't make it wrong.
     longest_bend: f32,
     // Bit k is set if chunks of kind k take part.
-    kinds: u32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
+    @size(152) kinds: u32,
 }
 
 // Arguments of the indirect draws, and the counters they come from. Index 0 is the front, 1 the back.
@@ -59,7 +59,15 @@ struct Arguments {
     // Pieces that the split made, whether there was room or not.
     pieces_wanted: array<atomic<u32>, 2>,
     // Middling parts of big triangles that the split's first time hands on.
-    parts: array<atomic<u32>, 2>,
+    @size(136) parts: array<atomic<u32>, 2>,
+}
+
+// Jobs that the stages go through at a time; a workgroup's z says which.
+const MOST_JOBS: u32 = 8u;
+
+// Where a hemisphere's part of the lists begins, in triangles.
+fn list_start(hemisphere: u32) -> u32 {
+    return view.first_triangle + view.list_capacity * hemisphere;
 }
 
 // Whether the job is of masked chunks; others never take part in it.
@@ -99,16 +107,12 @@ fn edge_bends(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> vec3<f32> {
     );
 }
 
-// Of the edges of a triangle of hemisphere space, the sine of the angle to the axis: the share of the bend by which the edge
-// curves at most, and by which the depth of any plane through it may be off along its normal. At least a half, since very
-// long edges beside short ones make slivers.
-fn edge_slants(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
+// Of an edge of hemisphere space the sine of the angle to the axis: the share of the bend by which the edge curves at most,
+// and by which the depth of any plane through it may be off along its normal. At least a half, since very long edges beside
+// short ones make slivers.
+fn edge_slant(a: vec3<f32>, b: vec3<f32>) -> f32 {
     let e = b - a;
-    let f = c - b;
-    let g = a - c;
-    let across = vec3<f32>(dot(e.xy, e.xy), dot(f.xy, f.xy), dot(g.xy, g.xy));
-    let slants = sqrt(across / max(vec3<f32>(dot(e, e), dot(f, f), dot(g, g)), vec3<f32>(1e-36)));
-    return max(slants, vec3<f32>(0.5));
+    return max(sqrt(dot(e.xy, e.xy) / max(dot(e, e), 1e-36)), 0.5);
 }
 
 // Whether a triangle, given by its signed-w corners, is out of the hemisphere or in front of the near limit.

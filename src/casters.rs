@@ -97,6 +97,13 @@ struct Mesh {
     positions: Option<u64>,
 }
 
+impl Mesh {
+    /// Kind of the chunks of an instance that is marked as moving or not.
+    fn kind(&self, moving: bool) -> u32 {
+        u32::from(moving) * KIND_MOVING + u32::from(self.mask.is_some()) * KIND_MASKED
+    }
+}
+
 #[derive(Debug)]
 struct Instance {
     mesh: Handle,
@@ -182,9 +189,8 @@ pub struct Casters {
     triangle_ranges: Ranges,
     vertex_ranges: Ranges,
     chunk_ranges: Ranges,
-    triangle_count: u64,
-    masked_instances: usize,
-    moving_instances: usize,
+    /// Triangles of all instances, by the kind of their chunks.
+    triangles_by_kind: [u64; 4],
     moved: Vec<Handle>,
     changes: VecDeque<Change>,
     first_change: u64,
@@ -211,9 +217,7 @@ impl Casters {
             triangle_ranges: Ranges::default(),
             vertex_ranges: Ranges::default(),
             chunk_ranges: Ranges::default(),
-            triangle_count: 0,
-            masked_instances: 0,
-            moving_instances: 0,
+            triangles_by_kind: [0; 4],
             moved: Vec::new(),
             changes: VecDeque::new(),
             first_change: 0,
@@ -231,7 +235,13 @@ impl Casters {
     /// Triangles of all instances together, without those of no area.
     #[must_use]
     pub fn triangle_count(&self) -> u64 {
-        self.triangle_count
+        self.triangles_by_kind.iter().sum()
+    }
+
+    /// Triangles of the kinds of chunks that `kinds` has the bits of.
+    pub(crate) fn triangles_of(&self, kinds: u32) -> u64 {
+        let of = |kind: usize| if kinds & (1 << kind) == 0 { 0 } else { self.triangles_by_kind[kind] };
+        (0..self.triangles_by_kind.len()).map(of).sum()
     }
 
     /// Bytes that the casters take on the GPU.
@@ -243,11 +253,6 @@ impl Casters {
     fn arenas(&self) -> impl Iterator<Item = &Arena> {
         let own = [&self.local_vertices, &self.triangles, &self.vertices, &self.chunk_sources, &self.chunk_bounds];
         own.into_iter().chain(self.masks.arenas())
-    }
-
-    /// Whether any instance has holes.
-    pub(crate) fn has_masked(&self) -> bool {
-        self.masked_instances > 0
     }
 
     /// What `shaders/mask.wgsl` reads.
@@ -325,8 +330,7 @@ impl Casters {
         entry.instances += 1;
         let first_vertex = self.vertex_ranges.allocate(entry.vertex_count);
         let first_chunk = self.chunk_ranges.allocate(chunk_count);
-        self.triangle_count += u64::from(entry.triangle_count);
-        self.masked_instances += usize::from(entry.mask.is_some());
+        self.triangles_by_kind[entry.kind(false) as usize] += u64::from(entry.triangle_count);
         let instance = Instance {
             mesh: mesh.0,
             first_vertex,
@@ -357,11 +361,10 @@ impl Casters {
             return Ok(());
         }
         let bounds = instance.bounds;
-        if moving {
-            self.moving_instances += 1;
-        } else {
-            self.moving_instances -= 1;
-        }
+        let mesh = self.meshes.get(instance.mesh)?;
+        let triangles = u64::from(mesh.triangle_count);
+        self.triangles_by_kind[mesh.kind(!moving) as usize] -= triangles;
+        self.triangles_by_kind[mesh.kind(moving) as usize] += triangles;
         self.write_chunk_sources(id.0)?;
         self.note(Change::new(bounds, bounds, false));
         Ok(())
@@ -378,11 +381,6 @@ impl Casters {
         }
         self.note(Change::new(Bounds::EMPTY, Bounds { min, max }, true));
         Ok(())
-    }
-
-    /// Whether any instance is marked as moving.
-    pub(crate) fn any_moving(&self) -> bool {
-        self.moving_instances > 0
     }
 
     /// Writes where the chunks of an instance have their data.
@@ -448,9 +446,7 @@ impl Casters {
         let mesh = self.meshes.get_mut(instance.mesh)?;
         let chunk_count = mesh.chunks.len() as u32;
         mesh.instances -= 1;
-        self.moving_instances -= usize::from(moving);
-        self.triangle_count -= u64::from(mesh.triangle_count);
-        self.masked_instances -= usize::from(mesh.mask.is_some());
+        self.triangles_by_kind[mesh.kind(moving) as usize] -= u64::from(mesh.triangle_count);
         self.vertex_ranges.release(first_vertex, mesh.vertex_count);
         self.chunk_ranges.release(first_chunk, chunk_count);
         let none: ChunkSource = bytemuck::Zeroable::zeroed();
@@ -571,7 +567,7 @@ fn chunk_source(mesh: &Mesh, chunk: &Chunk, instance: &Instance) -> ChunkSource 
     };
     let pieces =
         if chunk.culling == Culling::Closed { chunk.pieces } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
-    let kind = if instance.moving { KIND_MOVING } else { 0 } | if mesh.mask.is_some() { KIND_MASKED } else { 0 };
+    let kind = mesh.kind(instance.moving);
     ChunkSource {
         local_vertex: mesh.first_vertex + chunk.first_vertex,
         vertex: instance.first_vertex + chunk.first_vertex,

@@ -27,7 +27,8 @@ impl Demand {
         Self { copy, state: Arc::new(AtomicU32::new(IDLE)) }
     }
 
-    pub(crate) fn memory(&self) -> u64 {
+    /// Bytes of the copy.
+    pub(crate) fn size(&self) -> u64 {
         self.copy.size()
     }
 

@@ -1,6 +1,7 @@
 //! The depth stage: one render pass a light, both hemispheres side by side (`shaders/depth.wgsl`,
 //! `shaders/exact.wgsl`).
 
+use crate::batch::Job;
 use crate::casters::VERTEX_SIZE;
 use crate::custom::CasterPass;
 use crate::gpu::{self, Binding};
@@ -40,7 +41,7 @@ pub(crate) struct Sources<'a> {
     pub(crate) pieces: &'a wgpu::Buffer,
     pub(crate) arguments: &'a wgpu::Buffer,
     pub(crate) exact: &'a wgpu::BindGroup,
-    /// For jobs of masked casters.
+    /// If there are masked casters.
     pub(crate) masked: Option<&'a masked::Groups>,
 }
 
@@ -123,34 +124,46 @@ impl Depth {
         let size = shape.resolution as f32;
         for back in hemispheres(light.coverage) {
             // A pass for each, so that nothing that the caller sets outlives it.
-            let mut pass = begin(encoder, target, false);
+            let mut pass = Self::begin(encoder, target, false);
             pass.set_viewport(size * back as f32, 0.0, size, size, 0.0, 1.0);
             let (hemisphere, offset) = (&self.group, view_offset(number, back, 0));
             draw(&mut CasterPass { pass, light: *light, back: back == 1, hemisphere, offset });
         }
     }
 
-    /// Draws what job `job` chose for the light whose views are the `light`th. The first job of a light clears. With
-    /// masked groups in the sources it is a job of masked casters.
-    #[expect(clippy::too_many_arguments, reason = "one call site; each is a separate thing")]
-    pub(crate) fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
+    /// Begins a pass over a map, cleared or as it is.
+    pub(crate) fn begin<'a>(
+        encoder: &'a mut wgpu::CommandEncoder,
         target: &wgpu::TextureView,
+        clear: bool,
+    ) -> wgpu::RenderPass<'a> {
+        let load = if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("dual_paraboloid::depth"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: target,
+                depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        })
+    }
+
+    /// Draws what job number `number` chose for the light whose views are the `light`th.
+    pub(crate) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass,
         sources: &Sources,
         shape: &MapShape,
-        coverage: Coverage,
         light: u32,
-        job: Option<u32>,
-        clear: bool,
+        number: u32,
+        job: &Job,
     ) {
-        let mut pass = begin(encoder, target, clear);
-        let Some(job) = job else { return };
-        let at = u64::from(job) * SLOT;
+        let at = u64::from(number) * SLOT;
         let size = shape.resolution as f32;
         let view = |back, relative| view_offset(light, back, relative);
         let pipelines = match (&self.masked, sources.masked) {
-            (Some(masked), Some(groups)) => {
+            (Some(masked), Some(groups)) if job.is_masked() => {
                 pass.set_bind_group(1, &groups[0], &[]);
                 pass.set_bind_group(2, &groups[1], &[]);
                 &masked.pipelines
@@ -158,7 +171,7 @@ impl Depth {
             _ => &self.opaque,
         };
         pass.set_index_buffer(sources.lists.slice(..), wgpu::IndexFormat::Uint32);
-        for back in hemispheres(coverage) {
+        for back in hemispheres(job.light.coverage) {
             let b = u64::from(back);
             pass.set_viewport(size * back as f32, 0.0, size, size, 0.0, 1.0);
             pass.set_pipeline(&pipelines.whole);
@@ -170,7 +183,7 @@ impl Depth {
             pass.set_vertex_buffer(0, sources.pieces.slice(..));
             pass.draw_indirect(sources.arguments, at + offset_of!(Arguments, pieces) as u64 + 16 * b);
             pass.set_pipeline(&pipelines.exact[back as usize]);
-            pass.set_bind_group(0, sources.exact, &[job * SLOT as u32]);
+            pass.set_bind_group(0, sources.exact, &[number * SLOT as u32]);
             pass.draw_indirect(sources.arguments, at + offset_of!(Arguments, exact) as u64 + 16 * b);
         }
     }
@@ -187,19 +200,6 @@ fn hemispheres(coverage: Coverage) -> Range<u32> {
         Coverage::Full => 0..2,
         Coverage::Hemisphere => 0..1,
     }
-}
-
-fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, target: &wgpu::TextureView, clear: bool) -> wgpu::RenderPass<'a> {
-    let load = if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("dual_paraboloid::depth"),
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: target,
-            depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
-            stencil_ops: None,
-        }),
-        ..Default::default()
-    })
 }
 
 /// A buffer of vertices that a depth pipeline draws.

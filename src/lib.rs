@@ -65,6 +65,7 @@
 //! [`paraboloid`] has the mapping as functions, `ARCHITECTURE.md` how the crate is built and why.
 
 mod arena;
+mod batch;
 mod casters;
 mod chunks;
 #[cfg(feature = "compare")]

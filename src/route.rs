@@ -1,13 +1,15 @@
 //! The route stage: from all triangles to the lists of those that each hemisphere draws or splits
 //! (`shaders/route.wgsl`).
 
+use crate::batch::{Job, MOST_JOBS};
 use crate::casters::Casters;
 use crate::gpu::{self, Binding};
-use crate::view::{Arguments, SLOT, View};
+use crate::view::SLOT;
+use std::ops::Range;
 
-/// Triangles that one job's lists have room for at most, per hemisphere; more casters take several jobs a light.
+/// Triangles that a batch's lists have room for at most, per hemisphere; more casters take several jobs a light.
 /// A place in the list has to fit the 22 bits that the split keeps for it, and the buffer the portable limit.
-pub(crate) const MOST_TRIANGLES: u32 = 1 << 22;
+const MOST_TRIANGLES: u32 = 1 << 22;
 
 /// Triangles of a chunk at most.
 const CHUNK: u32 = crate::chunks::CHUNK_SIZE as u32;
@@ -62,10 +64,11 @@ impl Route {
         self.lists.size()
     }
 
-    /// Makes room for the triangles of `casters`, as far as one job takes them; returns whether the lists were
-    /// replaced.
-    pub(crate) fn fit(&mut self, device: &wgpu::Device, casters: &Casters) -> bool {
-        let needed = casters.triangle_count().clamp(1024, u64::from(MOST_TRIANGLES)) as u32;
+    /// Makes room for the triangles of `casters`, as far as one job takes them, and for those of a batch of `lights`
+    /// lights, as far as one buffer does; returns whether the lists were replaced.
+    pub(crate) fn fit(&mut self, device: &wgpu::Device, casters: &Casters, lights: u32) -> bool {
+        let triangles = casters.triangle_count() * u64::from(lights.clamp(1, MOST_JOBS));
+        let needed = triangles.clamp(1024, u64::from(MOST_TRIANGLES)) as u32;
         if needed <= self.capacity && needed >= self.capacity / 4 {
             return false;
         }
@@ -75,10 +78,11 @@ impl Route {
     }
 
     /// The stretches of chunks that the lists surely have room for.
-    pub(crate) fn stretches(&self, casters: &Casters) -> Vec<std::ops::Range<u32>> {
+    pub(crate) fn stretches(casters: &Casters) -> impl Iterator<Item = Range<u32>> {
         let chunks = casters.chunk_count();
-        let step = if casters.triangle_count() <= u64::from(self.capacity) { chunks } else { self.capacity / CHUNK };
-        (0..chunks).step_by(step.max(1) as usize).map(|first| first..(first + step).min(chunks)).collect()
+        let fits = casters.triangle_count() <= u64::from(MOST_TRIANGLES);
+        let step = if fits { chunks } else { MOST_TRIANGLES / CHUNK };
+        (0..chunks).step_by(step.max(1) as usize).map(move |first| first..(first + step).min(chunks))
     }
 
     pub(crate) fn bind_group(
@@ -89,8 +93,8 @@ impl Route {
         casters: &Casters,
     ) -> wgpu::BindGroup {
         let resources = [
-            gpu::dynamic(views, size_of::<View>() as u64),
-            gpu::dynamic(arguments, size_of::<Arguments>() as u64),
+            gpu::dynamic(views, u64::from(MOST_JOBS) * SLOT),
+            gpu::dynamic(arguments, u64::from(MOST_JOBS) * SLOT),
             casters.chunk_sources.buffer().as_entire_binding(),
             casters.chunk_bounds.buffer().as_entire_binding(),
             casters.triangles.buffer().as_entire_binding(),
@@ -100,12 +104,19 @@ impl Route {
         gpu::bind_group(device, "route", &self.layout, &resources)
     }
 
-    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, job: u32, chunks: u32) {
-        let offset = job * SLOT as u32;
+    /// Records a batch: the jobs from number `first` on.
+    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, first: u32, jobs: &[Job]) {
+        let offset = first * SLOT as u32;
+        let chunks = jobs.iter().map(|job| job.chunks.len() as u32).max().unwrap_or(0);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[offset, offset]);
-        pass.dispatch_workgroups(chunks.min(self.most_groups), 1, 1);
+        pass.dispatch_workgroups(chunks.min(self.most_groups), 1, jobs.len() as u32);
     }
+}
+
+/// What a job with so many triangles, or one stretch of more, needs room for.
+pub(crate) fn room(triangles: u64) -> u32 {
+    triangles.min(u64::from(MOST_TRIANGLES)) as u32
 }
 
 fn lists(device: &wgpu::Device, capacity: u32) -> wgpu::Buffer {

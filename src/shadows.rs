@@ -1,6 +1,7 @@
 //! The lights' maps: which are stale, and the order in which their stages are recorded.
 
 use crate::Error;
+use crate::batch::{self, Job, MASKED, MOST_JOBS, MOVING, OPAQUE, STATIC};
 use crate::casters::Casters;
 use crate::custom::CasterPass;
 use crate::demand::Demand;
@@ -10,11 +11,11 @@ use crate::light::PointLight;
 use crate::lookup::Lookup;
 use crate::maps::{Maps, Target};
 use crate::masked;
-use crate::route::Route;
+use crate::route::{self, Route};
 use crate::schedule::{self, Due, Light, Stale};
 use crate::slots::{Handle, Slots};
 use crate::split::Split;
-use crate::view::{self, Arguments, Capacities, Job, MapShape, SLOT, View};
+use crate::view::{Arguments, MapShape, SLOT, View};
 use std::ops::Range;
 
 /// How [`PointShadows`] are made.
@@ -323,59 +324,105 @@ impl PointShadows {
         due: &[Due],
         mut draw: Option<&mut dyn FnMut(&mut CasterPass)>,
     ) {
-        let replaced = self.route.fit(device, casters) | self.split.fit(device, &self.shape, self.wanted);
         let (passes, jobs) = self.plan(casters, due);
-        self.write_jobs(device, queue, &jobs);
-        let key = (casters.owner(), casters.generation(), casters.has_masked());
+        let lights = self.lights.count();
+        let has_masked = casters.triangles_of(MASKED) > 0;
+        let jobs_at_once = if has_masked { 2 * lights } else { lights };
+        let replaced =
+            self.route.fit(device, casters, lights) | self.split.fit(device, &self.shape, self.wanted, jobs_at_once);
+        let batches = batch::pack(&jobs, self.split.jobs(), self.route.capacity());
+        self.write_jobs(device, queue, &jobs, &batches);
+        let key = (casters.owner(), casters.generation(), has_masked);
         if replaced || self.groups.as_ref().is_none_or(|groups| groups.key != key) {
             self.groups = Some(self.bind(device, casters, key));
         }
         let Some(groups) = &self.groups else { return };
         let lights: Vec<PointLight> = due.iter().map(|due| due.light).collect();
         self.depth.write_views(queue, &lights, &self.shape);
+        let mut batches = batches.into_iter();
+        let mut chosen = 0;
         for pass in &passes {
-            self.record_pass(encoder, casters, groups, pass, &jobs);
+            let layer = self.maps.layer(pass.target, pass.layer);
+            if pass.over_static && self.until >= Stage::Depth {
+                self.maps.copy_static(encoder, pass.layer);
+            }
+            // In one go, unless its jobs are of several batches.
+            let (mut clear, mut next) = (!pass.over_static, pass.jobs.start);
+            while clear || next < pass.jobs.end {
+                if next == chosen
+                    && next < pass.jobs.end
+                    && let Some(batch) = batches.next()
+                {
+                    self.record_batch(encoder, groups, batch.clone(), &jobs);
+                    chosen = batch.end;
+                }
+                let drawn = next..pass.jobs.end.min(chosen);
+                if self.until >= Stage::Depth {
+                    self.record_draws(encoder, layer, casters, groups, pass.number, drawn.clone(), &jobs, clear);
+                }
+                (clear, next) = (false, drawn.end);
+            }
             if let (Target::Live, Stage::Depth, Some(draw)) = (pass.target, self.until, draw.as_deref_mut()) {
-                let target = self.maps.layer(pass.target, pass.layer);
-                self.depth.record_custom(encoder, target, &self.shape, &pass.light, pass.number, draw);
+                self.depth.record_custom(encoder, layer, &self.shape, &pass.light, pass.number, draw);
             }
         }
     }
 
     /// The passes that make the maps, and their jobs.
     fn plan(&self, casters: &Casters, due: &[Due]) -> (Vec<Pass>, Vec<Job>) {
-        let stretches = self.route.stretches(casters);
-        let drawn_apart = if casters.has_masked() { &[view::OPAQUE, view::MASKED][..] } else { &[view::OPAQUE] };
         let (mut passes, mut jobs) = (Vec::new(), Vec::new());
         let mut add = |number, due: &Due, target, kinds, over_static| {
             let Due { layer, light, .. } = *due;
             let first = jobs.len() as u32;
-            if kinds != view::MOVING || casters.any_moving() {
-                let job = |chunks: &Range<u32>, of| Job { light, chunks: chunks.clone(), kinds: kinds & of };
-                jobs.extend(stretches.iter().flat_map(|chunks| drawn_apart.iter().map(move |of| job(chunks, of))));
+            for (chunks, of) in
+                Route::stretches(casters).flat_map(|chunks| [(chunks.clone(), OPAQUE), (chunks, MASKED)])
+            {
+                let kinds = kinds & of;
+                let triangles = route::room(casters.triangles_of(kinds));
+                if triangles > 0 {
+                    jobs.push(Job { light, chunks, kinds, triangles });
+                }
             }
             passes.push(Pass { number, layer, light, target, over_static, jobs: first..jobs.len() as u32 });
         };
         for (number, due) in (0..).zip(due) {
             if !self.maps.keep_static() {
-                add(number, due, Target::Live, view::STATIC | view::MOVING, false);
+                add(number, due, Target::Live, STATIC | MOVING, false);
                 continue;
             }
             if due.stale == Stale::Everything {
-                add(number, due, Target::Static, view::STATIC, false);
+                add(number, due, Target::Static, STATIC, false);
             }
-            add(number, due, Target::Live, view::MOVING, true);
+            add(number, due, Target::Live, MOVING, true);
         }
         (passes, jobs)
     }
 
-    fn record_pass(
+    /// Records the route and the split of a batch of jobs.
+    fn record_batch(&self, encoder: &mut wgpu::CommandEncoder, groups: &Groups, batch: Range<u32>, jobs: &[Job]) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("dual_paraboloid::route and split"),
+            timestamp_writes: None,
+        });
+        let jobs = &jobs[batch.start as usize..batch.end as usize];
+        self.route.record(&mut pass, &groups.route, batch.start, jobs);
+        if self.until >= Stage::Split {
+            self.split.record(&mut pass, &groups.split, batch.start, jobs.len() as u32);
+        }
+    }
+
+    /// Records the drawing of jobs of one map.
+    #[expect(clippy::too_many_arguments, reason = "one call site; each is a separate thing")]
+    fn record_draws(
         &self,
         encoder: &mut wgpu::CommandEncoder,
+        layer: &wgpu::TextureView,
         casters: &Casters,
         groups: &Groups,
-        pass: &Pass,
+        light: u32,
+        drawn: Range<u32>,
         jobs: &[Job],
+        clear: bool,
     ) {
         let sources = Sources {
             vertices: casters.vertices.buffer(),
@@ -383,62 +430,38 @@ impl PointShadows {
             pieces: self.split.pieces(),
             arguments: &self.arguments,
             exact: &groups.exact,
-            masked: None,
+            masked: groups.masked.as_ref(),
         };
-        let target = self.maps.layer(pass.target, pass.layer);
-        let draw = |encoder: &mut _, job, masked: bool, clear| {
-            let sources = Sources { masked: groups.masked.as_ref().filter(|_| masked), ..sources };
-            self.depth.record(encoder, target, &sources, &self.shape, pass.light.coverage, pass.number, job, clear);
-        };
-        if pass.over_static && self.until >= Stage::Depth {
-            self.maps.copy_static(encoder, pass.layer);
-        }
-        if pass.jobs.is_empty() && !pass.over_static {
-            draw(encoder, None, false, true);
-        }
-        for number in pass.jobs.clone() {
-            let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("dual_paraboloid::route and split"),
-                timestamp_writes: None,
-            });
-            let job = &jobs[number as usize];
-            self.route.record(&mut compute, &groups.route, number, job.chunks.len() as u32);
-            if self.until >= Stage::Split {
-                self.split.record(&mut compute, &groups.split, number);
-            }
-            drop(compute);
-            if self.until >= Stage::Depth {
-                draw(encoder, Some(number), job.is_masked(), number == pass.jobs.start && !pass.over_static);
-            }
+        let mut pass = Depth::begin(encoder, layer, clear);
+        for number in drawn {
+            self.depth.draw(&mut pass, &sources, &self.shape, light, number, &jobs[number as usize]);
         }
     }
 
     /// Writes each job's view and its counters' start, growing the buffers if there are more jobs than ever.
-    fn write_jobs(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, jobs: &[Job]) {
-        let room = Capacities { triangles: self.route.capacity(), pieces: self.split.capacity() };
+    fn write_jobs(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, jobs: &[Job], batches: &[Range<u32>]) {
         self.jobs = jobs.len();
-        if jobs.len() as u64 * SLOT > self.views.size() {
+        if jobs.len() as u64 * SLOT > self.demand.size() {
             self.views = job_buffer(device, "views", jobs.len() as u32, wgpu::BufferUsages::UNIFORM);
             self.arguments = argument_buffer(device, jobs.len() as u32);
             self.demand = Demand::new(device, jobs.len() as u32);
             self.groups = None;
         }
-        let mut views = vec![0u8; jobs.len() * SLOT as usize];
-        let mut arguments = views.clone();
-        let start = Arguments::new(room);
-        let slots = views.chunks_exact_mut(SLOT as usize).zip(arguments.chunks_exact_mut(SLOT as usize));
-        for (job, (view_slot, argument_slot)) in jobs.iter().zip(slots) {
-            let view = View::new(job, &self.shape, room);
-            view_slot[..size_of_val(&view)].copy_from_slice(bytemuck::bytes_of(&view));
-            argument_slot[..size_of_val(&start)].copy_from_slice(bytemuck::bytes_of(&start));
+        let (mut views, mut arguments) = (Vec::with_capacity(jobs.len()), Vec::with_capacity(jobs.len()));
+        for batch in batches {
+            let jobs = &jobs[batch.start as usize..batch.end as usize];
+            for (job, shares) in jobs.iter().zip(batch::shares(jobs, self.split.capacity())) {
+                views.push(View::new(job, &self.shape, &shares));
+                arguments.push(Arguments::new(&shares));
+            }
         }
-        queue.write_buffer(&self.views, 0, &views);
-        queue.write_buffer(&self.arguments, 0, &arguments);
+        queue.write_buffer(&self.views, 0, bytemuck::cast_slice(&views));
+        queue.write_buffer(&self.arguments, 0, bytemuck::cast_slice(&arguments));
     }
 
     fn bind(&mut self, device: &wgpu::Device, casters: &Casters, key: (u32, u64, bool)) -> Groups {
         let (lists, vertices) = (self.route.lists(), casters.vertices.buffer());
-        let masked = casters.has_masked().then(|| {
+        let masked = key.2.then(|| {
             let masked = self.depth.masked(device);
             masked.groups(device, casters.mask_buffers(), lists, vertices, self.split.pieces())
         });
@@ -509,7 +532,7 @@ impl PointShadows {
     pub fn memory(&self) -> u64 {
         let own = self.views.size() + self.arguments.size();
         let stages = self.route.memory() + self.split.memory() + self.depth.memory();
-        self.maps.memory() + own + stages + self.demand.memory() + self.lookup.memory()
+        self.maps.memory() + own + stages + self.demand.size() + self.lookup.memory()
     }
 }
 
@@ -529,8 +552,9 @@ fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Resul
     check((1.0..=16.0).contains(&guard), "guard", guard.to_string(), room)
 }
 
+/// A slot for each of so many jobs, and as many more as are bound behind the last one.
 fn job_buffer(device: &wgpu::Device, what: &str, jobs: u32, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    gpu::buffer(device, what, u64::from(jobs) * SLOT, usage | wgpu::BufferUsages::COPY_DST)
+    gpu::buffer(device, what, u64::from(jobs + MOST_JOBS) * SLOT, usage | wgpu::BufferUsages::COPY_DST)
 }
 
 fn argument_buffer(device: &wgpu::Device, jobs: u32) -> wgpu::Buffer {

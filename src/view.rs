@@ -1,13 +1,15 @@
 //! A light as the stages see it, and where their indirect draws and counters lie: the twins of the structs in
 //! `shaders/view.wgsl` and `shaders/depth.wgsl`.
 
+use crate::batch::{Job, Shares};
 use crate::light::{Coverage, PointLight};
 use crate::paraboloid;
 use glam::{Quat, Vec3};
-use std::ops::Range;
 
-/// Alignment of dynamic offsets that every device honours.
+/// Alignment of dynamic offsets that every device honours, and the size of what a buffer has of each job.
 pub(crate) const SLOT: u64 = 256;
+
+const _: () = assert!(size_of::<View>() as u64 == SLOT && size_of::<Arguments>() as u64 == SLOT);
 
 /// The map of one hemisphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +62,7 @@ impl MapShape {
     }
 }
 
-/// One light and one stretch of the chunks; twin of `View`.
+/// A job; twin of `View`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct View {
@@ -77,11 +79,13 @@ pub(crate) struct View {
     hemispheres: u32,
     first_chunk: u32,
     end_chunk: u32,
+    first_triangle: u32,
     list_capacity: u32,
+    first_piece: u32,
     piece_capacity: u32,
     longest_bend: f32,
     kinds: u32,
-    padding: [u32; 3],
+    padding: [u32; 37],
 }
 
 /// Light space's axes in world space: the rows of the rotation from world to light space.
@@ -97,41 +101,9 @@ pub(crate) fn hemispheres(coverage: Coverage) -> u32 {
     }
 }
 
-/// How much one job's share of the lists and pieces is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Capacities {
-    pub(crate) triangles: u32,
-    pub(crate) pieces: u32,
-}
-
-/// Bits of [`Job::kinds`]: bit 0 of a chunk's kind says that its instance is marked as moving.
-pub(crate) const STATIC: u32 = 0b0101;
-/// The others.
-pub(crate) const MOVING: u32 = 0b1010;
-/// The same: bit 1 says that its mesh has holes.
-pub(crate) const OPAQUE: u32 = 0b0011;
-/// See [`OPAQUE`].
-pub(crate) const MASKED: u32 = 0b1100;
-
-/// What one run of the stages goes through for a light.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Job {
-    pub(crate) light: PointLight,
-    pub(crate) chunks: Range<u32>,
-    /// Bit k stands for chunks of kind k.
-    pub(crate) kinds: u32,
-}
-
-impl Job {
-    /// Whether it is of casters with holes.
-    pub(crate) fn is_masked(&self) -> bool {
-        self.kinds & OPAQUE == 0
-    }
-}
-
 impl View {
-    pub(crate) fn new(job: &Job, shape: &MapShape, room: Capacities) -> Self {
-        let Job { light, chunks, kinds } = job;
+    pub(crate) fn new(job: &Job, shape: &MapShape, shares: &Shares) -> Self {
+        let Job { light, chunks, kinds, .. } = job;
         let [right, up, forward] = axes(light.orientation);
         Self {
             right,
@@ -147,11 +119,13 @@ impl View {
             hemispheres: hemispheres(light.coverage),
             first_chunk: chunks.start,
             end_chunk: chunks.end,
-            list_capacity: room.triangles,
-            piece_capacity: room.pieces,
+            first_triangle: shares.first_triangle,
+            list_capacity: shares.triangles,
+            first_piece: shares.first_piece,
+            piece_capacity: shares.pieces,
             longest_bend: shape.longest_bend(),
             kinds: *kinds,
-            padding: [0; 3],
+            padding: [0; 37],
         }
     }
 }
@@ -215,7 +189,7 @@ pub(crate) struct Draw {
 
 /// What the stages of one job count; twin of `Arguments`. Index 0 is the front, 1 the back.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Arguments {
     pub(crate) whole: [DrawIndexed; 2],
     pub(crate) pieces: [Draw; 2],
@@ -223,14 +197,16 @@ pub(crate) struct Arguments {
     pub(crate) to_split: [u32; 2],
     pub(crate) pieces_wanted: [u32; 2],
     pub(crate) parts: [u32; 2],
+    padding: [u32; 32],
 }
 
 impl Arguments {
     /// As they are before the first stage.
-    pub(crate) fn new(room: Capacities) -> Self {
-        let whole =
-            |h: u32| DrawIndexed { instance_count: 1, first_index: 3 * room.triangles * h, ..Default::default() };
-        let pieces = |h: u32| Draw { instance_count: 1, first_vertex: 3 * room.pieces * h, ..Default::default() };
-        Self { whole: [whole(0), whole(1)], pieces: [pieces(0), pieces(1)], ..Default::default() }
+    pub(crate) fn new(shares: &Shares) -> Self {
+        let first_index = |h: u32| 3 * (shares.first_triangle + shares.triangles * h);
+        let first_vertex = |h: u32| 3 * (shares.first_piece + shares.pieces * h);
+        let whole = |h| DrawIndexed { instance_count: 1, first_index: first_index(h), ..Default::default() };
+        let pieces = |h| Draw { instance_count: 1, first_vertex: first_vertex(h), ..Default::default() };
+        Self { whole: [0, 1].map(whole), pieces: [0, 1].map(pieces), ..bytemuck::Zeroable::zeroed() }
     }
 }
