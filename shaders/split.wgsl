@@ -275,17 +275,17 @@ fn cut(piece: Piece, hemisphere: u32, shift: ptr<function, vec3<f32>>) -> bool {
 }
 
 // How far edges inside of a piece may bend.
-fn inner_limit(piece: Piece) -> f32 {
+fn inner_limit(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, slant: f32) -> f32 {
     // Sines of the angles as seen from the light.
-    let ab = normalize(cross(piece.a, piece.b));
-    let bc = normalize(cross(piece.b, piece.c));
-    let ca = normalize(cross(piece.c, piece.a));
+    let ab = normalize(cross(a, b));
+    let bc = normalize(cross(b, c));
+    let ca = normalize(cross(c, a));
     let sine = min(length(cross(ab, bc)), min(length(cross(bc, ca)), length(cross(ca, ab))));
-    let flat = view.tolerance / max(piece.slant, 1e-6);
+    let flat = view.tolerance / max(slant, 1e-6);
     let shape = SHAPE * sine * sqrt(view.tolerance * view.texels);
     let limit = max(view.tolerance, min(min(flat, shape), view.longest_bend));
-    // A half, as a quadrilateral keeps it.
-    return unpack2x16float(pack2x16float(vec2<f32>(limit))).x;
+    // As much of it as a half holds, since quadrilaterals keep it in one. (Drivers take packing and unpacking for nothing.)
+    return bitcast<f32>(bitcast<u32>(limit) & 0xffffe000u);
 }
 
 fn height_of(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>) -> f32 {
@@ -345,7 +345,7 @@ fn push_parts(piece: Piece, edges: u32, hemisphere: u32) {
         c = piece.b;
         outer = outer.zxy;
     }
-    let inner = inner_limit(piece);
+    let inner = inner_limit(a, b, c, piece.slant);
     let info = piece.info + (1u << LEVEL_SHIFT);
     let ab = dp_bisect(a, b);
     if countOneBits(edges) == 1u {
@@ -372,7 +372,10 @@ fn push_parts(piece: Piece, edges: u32, hemisphere: u32) {
 
 // Pushes the parts of a quadrilateral, cut across if both long sides are to be cut; else it becomes two triangles.
 fn push_quad_parts(piece: Piece, across: bool, hemisphere: u32) {
-    let inner = inner_limit(piece);
+    let inner = min(
+        inner_limit(piece.a, piece.b, piece.c, piece.slant),
+        inner_limit(piece.a, piece.c, piece.d, piece.slant),
+    );
     let ab = dp_bisect(piece.a, piece.b);
     let cd = dp_bisect(piece.c, piece.d);
     if across && is_short(ab, cd, inner, hemisphere) {
