@@ -106,6 +106,22 @@ fn dp_sample_square(light: u32, receiver: DpReceiver, quads: u32) -> f32 {
     let footprint = dp_footprint(light, receiver.map);
     // Past the guard band there is nothing to be read.
     let end = 0.5 * f32(textureDimensions(dp_maps).y) / dp_lights[light].texels;
+    let bounds = dp_bounds(light, receiver, footprint);
+    var all_lit = true;
+    var all_dark = true;
+    for (var y = 0u; y < quads; y++) {
+        for (var x = 0u; x < quads; x++) {
+            let corner = base - f32(last) + 2.0 * vec2<f32>(f32(x), f32(y));
+            let texels = dp_gather(light, receiver.back, corner);
+            let plane = dp_receiver_depth(light, receiver, texels.u, texels.v);
+            let held = texels.u * texels.u + texels.v * texels.v <= vec4<f32>(end * end);
+            all_lit &= all((texels.stored <= bounds.lit * plane) | !held);
+            all_dark &= all((texels.stored >= bounds.dark * plane) & held);
+        }
+    }
+    if all_lit || all_dark {
+        return select(0.0, 1.0, all_lit);
+    }
     var lit = 0.0;
     var dark = 0.0;
     for (var y = 0u; y < quads; y++) {

@@ -102,8 +102,9 @@ fn dp_locate(light: u32, position: vec3<f32>, normal: vec3<f32>) -> DpReceiver {
 
 // Cosine between the receiver's normal and its ray, from 0 (edge-on) to 1.
 fn dp_incidence(receiver: DpReceiver) -> f32 {
-    let ray = dp_unproject_scaled(receiver.map);
-    return abs(dot(receiver.normal, ray)) / max(length(receiver.normal) * length(ray), 1e-30);
+    let along = abs(dot(receiver.normal, dp_unproject_scaled(receiver.map)));
+    // The ray is (1 + r^2)/2 long.
+    return along / max(length(receiver.normal) * (0.5 + 0.5 * dot(receiver.map, receiver.map)), 1e-30);
 }
 
 // Depths of the receiver's plane at four map coordinates.
@@ -130,6 +131,19 @@ fn dp_grazing(receiver: DpReceiver) -> f32 {
 // Margin up to which content counts as the receiver's own surface.
 fn dp_bias(light: u32, grazing: f32) -> f32 {
     return DP_BIAS + dp_lights[light].tolerance * grazing;
+}
+
+// Depths over those of the receiver's plane up to which content votes for light or for nothing, and from which on it votes
+// against in full. Most receivers are lit or dark altogether, which these tell without counting.
+struct DpBounds {
+    lit: f32,
+    dark: f32,
+}
+
+fn dp_bounds(light: u32, receiver: DpReceiver, footprint: f32) -> DpBounds {
+    let grazing = dp_grazing(receiver);
+    let bias = dp_bias(light, grazing);
+    return DpBounds(1.0 + bias * footprint, 1.0 + (bias + DP_RAMP * (1.0 + grazing)) * footprint);
 }
 
 fn dp_votes(light: u32, receiver: DpReceiver, margin: vec4<f32>) -> DpVotes {
@@ -208,6 +222,14 @@ fn dp_count(lit: f32, dark: f32) -> f32 {
 fn dp_sample_bilinear(light: u32, receiver: DpReceiver) -> f32 {
     let around = dp_neighbours(light, receiver.back, receiver.map);
     let footprint = dp_footprint(light, receiver.map);
+    let plane = dp_receiver_depth(light, receiver, around.texels.u, around.texels.v);
+    let bounds = dp_bounds(light, receiver, footprint);
+    if all(around.texels.stored <= bounds.lit * plane) {
+        return 1.0;
+    }
+    if all(around.texels.stored >= bounds.dark * plane) {
+        return 0.0;
+    }
     let votes = dp_votes(light, receiver, dp_margins(light, receiver, around.texels, footprint));
     return dp_count(dot(around.weights, votes.lit), dot(around.weights, votes.dark));
 }

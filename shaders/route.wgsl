@@ -22,20 +22,21 @@ const DRAW: u32 = 1u;
 const SPLIT: u32 = 2u;
 const KIND_MASK: u32 = 3u;
 const CULL_SHIFT: u32 = 2u;
-const PLACE_SHIFT: u32 = 4u;
+const WORDS: u32 = 8u;
 // Share of the tolerance that the edges of a triangle drawn whole may bend: depth is off by 4/3 of it at most, and the
 // split, which cuts what is above the whole, never cuts the neighbour's side of such an edge, however it rounds.
 const WHOLE_SHARE: f32 = 0.375;
 
 // Map coordinates, signed w, and 1 where all triangles around the vertex face away, else 0.
 var<workgroup> corners: array<vec4<f32>, 256>;
-// Of each triangle its kind in bits 0-1, its list entry's cull flags in 2-3, and from bit 4 on its place among those of
-// its kind.
+// Of each triangle its kind in bits 0-1 and its list entry's cull flags in 2-3.
 var<workgroup> fates: array<u32, 256>;
-var<workgroup> draw_count: atomic<u32>;
-var<workgroup> split_count: atomic<u32>;
-var<workgroup> draw_base: u32;
-var<workgroup> split_base: u32;
+// A bit for each triangle that is drawn and that is split, 32 a word; then where those of each word begin in the lists. So
+// they keep their order, in which neighbours mostly follow one another: the hardware keeps their vertices.
+var<workgroup> drawn: array<atomic<u32>, WORDS>;
+var<workgroup> to_split: array<atomic<u32>, WORDS>;
+var<workgroup> draw_starts: array<u32, WORDS>;
+var<workgroup> split_starts: array<u32, WORDS>;
 
 @compute @workgroup_size(THREADS)
 fn route(
@@ -70,7 +71,7 @@ fn hemispheres_of(view: View, chunk: u32) -> u32 {
     if dot(nearest, nearest) > view.range * view.range {
         return 0u;
     }
-    if !REJECT {
+    if view.reject == 0u {
         return view.hemispheres;
     }
     // Highest and lowest z of light space in the box, and how far that still is inside a hemisphere.
@@ -92,14 +93,14 @@ fn culling_rule(view: View, chunk: u32) -> u32 {
     // Outside by more than near, nothing of a closed piece is clipped, so a front face hides every back face.
     let outside = any(view.position < chunk_bounds[chunk].pieces_min - view.near)
         || any(view.position > chunk_bounds[chunk].pieces_max + view.near);
-    return select(0u, CULL_CLOSED, REJECT && outside);
+    return select(0u, CULL_CLOSED, outside && view.reject != 0u);
 }
 
 fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     let source = chunk_sources[chunk];
-    if thread == 0u {
-        atomicStore(&draw_count, 0u);
-        atomicStore(&split_count, 0u);
+    for (var word = thread; word < WORDS; word += THREADS) {
+        atomicStore(&drawn[word], 0u);
+        atomicStore(&to_split[word], 0u);
     }
     for (var v = thread; v < vertex_count(source); v += THREADS) {
         let vertex = vertices[source.vertex + v];
@@ -113,19 +114,31 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     // A face turned to the light is clockwise in the map, since (u, v) is seen from the other side.
     let cull = select(0.0, chunk_bounds[chunk].handedness, rule != 0u);
     for (var t = thread; t < triangle_count(source); t += THREADS) {
-        var fate = fate_of(corners_of(triangles[source.triangle + t]), rule, cull);
+        let fate = fate_of(corners_of(triangles[source.triangle + t]), rule, cull);
         if (fate & KIND_MASK) == DRAW {
-            fate |= atomicAdd(&draw_count, 1u) << PLACE_SHIFT;
+            atomicOr(&drawn[t / 32u], 1u << (t % 32u));
         } else if (fate & KIND_MASK) == SPLIT {
-            fate |= atomicAdd(&split_count, 1u) << PLACE_SHIFT;
+            atomicOr(&to_split[t / 32u], 1u << (t % 32u));
         }
         fates[t] = fate;
     }
     workgroupBarrier();
 
     if thread == 0u {
-        draw_base = atomicAdd(&arguments[job].whole[hemisphere].index_count, 3u * atomicLoad(&draw_count));
-        split_base = atomicAdd(&arguments[job].to_split[hemisphere], atomicLoad(&split_count));
+        var draws = 0u;
+        var splits = 0u;
+        for (var word = 0u; word < WORDS; word += 1u) {
+            draw_starts[word] = draws;
+            split_starts[word] = splits;
+            draws += countOneBits(atomicLoad(&drawn[word]));
+            splits += countOneBits(atomicLoad(&to_split[word]));
+        }
+        let draw_base = atomicAdd(&arguments[job].whole[hemisphere].index_count, 3u * draws) / 3u;
+        let split_base = atomicAdd(&arguments[job].to_split[hemisphere], splits);
+        for (var word = 0u; word < WORDS; word += 1u) {
+            draw_starts[word] += draw_base;
+            split_starts[word] += split_base;
+        }
     }
     workgroupBarrier();
 
@@ -133,11 +146,13 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
     for (var t = thread; t < triangle_count(source); t += THREADS) {
         let fate = fates[t];
         if (fate & KIND_MASK) != DROP {
-            let place = fate >> PLACE_SHIFT;
-            let drawn_at = draw_base + 3u * place;
-            let split_at = 3u * (view.list_capacity - 1u - split_base - place);
+            let word = t / 32u;
+            let before = (1u << (t % 32u)) - 1u;
+            let draw_place = draw_starts[word] + countOneBits(atomicLoad(&drawn[word]) & before);
+            let split_place = split_starts[word] + countOneBits(atomicLoad(&to_split[word]) & before);
+            let place = select(view.list_capacity - 1u - split_place, draw_place, (fate & KIND_MASK) == DRAW);
             let entry = (corners_of(triangles[source.triangle + t]) + source.vertex) | entry_flags(fate);
-            write_entry(part + select(split_at, drawn_at, (fate & KIND_MASK) == DRAW), entry);
+            write_entry(part + 3u * place, entry);
         }
     }
 }
@@ -153,7 +168,7 @@ fn corners_of(packed: u32) -> vec3<u32> {
     return vec3<u32>(packed, packed >> 8u, packed >> 16u) & vec3<u32>(0xffu);
 }
 
-// What becomes of a triangle, as `fates` has it without the place. `cull` is the sign of the map area of triangles that
+// What becomes of a triangle, as `fates` has it. `cull` is the sign of the map area of triangles that
 // face away, 0 if that doesn't matter.
 fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
     let a = corners[local.x].xyz;
@@ -178,7 +193,7 @@ fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
     if hidden && is_culled(a.xy, b.xy, c.xy, cull) {
         return DROP;
     }
-    if REJECT && is_between_texels(a.xy, b.xy, c.xy) {
+    if view.reject != 0u && is_between_texels(a.xy, b.xy, c.xy) {
         return DROP;
     }
     return select(DRAW, SPLIT, any(sliver_shifts(a, b, c) != vec3<f32>()));

@@ -90,6 +90,8 @@ struct Triangle {
     centre: Vec3,
     closed: bool,
     piece: u32,
+    /// Its number in the mesh.
+    number: u32,
 }
 
 /// Cuts a mesh whose values have been checked. Triangles of no area are left out: they cast nothing.
@@ -97,11 +99,13 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
     let Welded { positions, corners, sources } = weld(mesh);
     let mut triangles: Vec<Triangle> = corners
         .into_iter()
-        .map(|c| Triangle {
+        .zip(0..)
+        .map(|(c, number)| Triangle {
             corners: c,
             centre: (positions[c[0] as usize] + positions[c[1] as usize] + positions[c[2] as usize]) / 3.0,
             closed: false,
             piece: 0,
+            number,
         })
         .collect();
     // Holes show back faces, and what is turned away now may not be later.
@@ -355,6 +359,8 @@ impl Cutter<'_> {
         let first_vertex = self.out.vertices.len();
         let first_triangle = self.out.triangles.len();
         let mut pieces = Bounds::EMPTY;
+        // In the mesh's own order neighbours mostly follow one another, and the hardware keeps their vertices.
+        triangles.sort_unstable_by_key(|triangle| triangle.number);
         for triangle in &*triangles {
             let mut packed = 0;
             for (place, &vertex) in triangle.corners.iter().enumerate() {

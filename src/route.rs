@@ -37,16 +37,14 @@ pub(crate) struct Route {
 }
 
 impl Route {
-    /// `reject` off keeps every triangle that a hemisphere isn't wholly in front of.
-    pub(crate) fn new(device: &wgpu::Device, reject: bool) -> Self {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
         use Binding::{Counters, Read, Uniform, Write};
         let bindings = [Uniform, Counters, Read, Read, Read, Read, Write];
         let layout = gpu::layout(device, "route", wgpu::ShaderStages::COMPUTE, &bindings);
         let module = gpu::shader(device, "route", crate::wgsl::route());
         let software = gpu::is_software(device);
         let threads = if software { SOFTWARE_THREADS } else { THREADS };
-        let constants = [("REJECT", f64::from(u8::from(reject))), ("THREADS", threads)];
-        let pipeline = gpu::compute_pipeline(device, "route", &module, Some(&layout), &constants);
+        let pipeline = gpu::compute_pipeline(device, "route", &module, Some(&layout), &[("THREADS", threads)]);
         let capacity = 1024;
         let most_groups = if software { SOFTWARE_GROUPS } else { MOST_GROUPS };
         Self { pipeline, layout, most_groups, lists: lists(device, capacity), capacity }

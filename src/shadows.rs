@@ -73,6 +73,8 @@ pub struct PointShadows {
     lookup: Lookup,
     route: Route,
     split: Split,
+    /// Whether triangles that can't change the maps are left out.
+    reject: bool,
     depth: Depth,
     views: wgpu::Buffer,
     arguments: wgpu::Buffer,
@@ -168,8 +170,9 @@ impl PointShadows {
             seen: None,
             lookup: Lookup::new(device, maps.live()),
             maps,
-            route: Route::new(device, reject),
-            split: Split::new(device, reject),
+            route: Route::new(device),
+            split: Split::new(device),
+            reject,
             depth: Depth::new(device, capacity),
             views: job_buffer(device, "views", capacity, wgpu::BufferUsages::UNIFORM),
             arguments: argument_buffer(device, capacity),
@@ -451,7 +454,7 @@ impl PointShadows {
         for batch in batches {
             let jobs = &jobs[batch.start as usize..batch.end as usize];
             for (job, shares) in jobs.iter().zip(batch::shares(jobs, self.split.capacity())) {
-                views.push(View::new(job, &self.shape, &shares));
+                views.push(View::new(job, &self.shape, &shares, self.reject));
                 arguments.push(Arguments::new(&shares));
             }
         }

@@ -85,7 +85,8 @@ pub(crate) struct View {
     piece_capacity: u32,
     longest_bend: f32,
     kinds: u32,
-    padding: [u32; 37],
+    reject: u32,
+    padding: [u32; 36],
 }
 
 /// Light space's axes in world space: the rows of the rotation from world to light space.
@@ -102,7 +103,8 @@ pub(crate) fn hemispheres(coverage: Coverage) -> u32 {
 }
 
 impl View {
-    pub(crate) fn new(job: &Job, shape: &MapShape, shares: &Shares) -> Self {
+    /// `reject` off keeps every triangle that a hemisphere isn't wholly in front of.
+    pub(crate) fn new(job: &Job, shape: &MapShape, shares: &Shares, reject: bool) -> Self {
         let Job { light, chunks, kinds, .. } = job;
         let [right, up, forward] = axes(light.orientation);
         Self {
@@ -125,7 +127,8 @@ impl View {
             piece_capacity: shares.pieces,
             longest_bend: shape.longest_bend(),
             kinds: *kinds,
-            padding: [0; 37],
+            reject: u32::from(reject),
+            padding: [0; 36],
         }
     }
 }
