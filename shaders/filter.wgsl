@@ -104,19 +104,20 @@ fn dp_sample_square(light: u32, receiver: DpReceiver, quads: u32) -> f32 {
     let f = at - base;
     let last = quads - 1u;
     let footprint = dp_footprint(light, receiver.map);
+    let plane = dp_plane(light, receiver);
+    let judge = dp_judge(light, receiver);
     // Past the guard band there is nothing to be read.
     let end = 0.5 * f32(textureDimensions(dp_maps).y) / dp_lights[light].texels;
-    let bounds = dp_bounds(light, receiver, footprint);
-    var all_lit = true;
-    var all_dark = true;
+    let bounds = dp_bounds(judge, footprint);
+    var all_lit = length(receiver.map) + 1.5 * f32(quads) / dp_lights[light].texels < end;
+    var all_dark = all_lit;
     for (var y = 0u; y < quads; y++) {
         for (var x = 0u; x < quads; x++) {
             let corner = base - f32(last) + 2.0 * vec2<f32>(f32(x), f32(y));
             let texels = dp_gather(light, receiver.back, corner);
-            let plane = dp_receiver_depth(light, receiver, texels.u, texels.v);
-            let held = texels.u * texels.u + texels.v * texels.v <= vec4<f32>(end * end);
-            all_lit &= all((texels.stored <= bounds.lit * plane) | !held);
-            all_dark &= all((texels.stored >= bounds.dark * plane) & held);
+            let depths = dp_plane_depths(plane, texels.u, texels.v);
+            all_lit &= all(texels.stored <= bounds.lit * depths);
+            all_dark &= all(texels.stored >= bounds.dark * depths);
         }
     }
     if all_lit || all_dark {
@@ -128,7 +129,7 @@ fn dp_sample_square(light: u32, receiver: DpReceiver, quads: u32) -> f32 {
         for (var x = 0u; x < quads; x++) {
             let corner = base - f32(last) + 2.0 * vec2<f32>(f32(x), f32(y));
             let texels = dp_gather(light, receiver.back, corner);
-            let votes = dp_votes(light, receiver, dp_margins(light, receiver, texels, footprint));
+            let votes = dp_votes(judge, dp_margins(plane, texels, footprint));
             let columns = vec2<f32>(select(1.0, 1.0 - f.x, x == 0u), select(1.0, f.x, x == last));
             let rows = vec2<f32>(select(1.0, 1.0 - f.y, y == 0u), select(1.0, f.y, y == last));
             let held = texels.u * texels.u + texels.v * texels.v <= vec4<f32>(end * end);
@@ -188,21 +189,39 @@ struct DpTap {
     nearness: vec4<f32>,
 }
 
+// What taps need of a receiver.
+struct DpProbe {
+    back: bool,
+    // As the maps of its own hemisphere and of the other one have it.
+    plane: DpPlane,
+    turned: DpPlane,
+    judge: DpJudge,
+    // Its distance from the light over the light's near limit.
+    distance: f32,
+}
+
+fn dp_probe(light: u32, receiver: DpReceiver) -> DpProbe {
+    let turned = dp_plane(light, dp_turned(receiver));
+    let distance = length(receiver.position) / dp_lights[light].near;
+    return DpProbe(receiver.back, dp_plane(light, receiver), turned, dp_judge(light, receiver), distance);
+}
+
 // The texels around any direction of the receiver's hemisphere space, in the map of the hemisphere that it lies in.
-fn dp_tap(light: u32, receiver: DpReceiver, direction: vec3<f32>) -> DpTap {
+fn dp_tap(light: u32, probe: DpProbe, direction: vec3<f32>) -> DpTap {
     let crosses = direction.z < 0.0;
-    var local = receiver;
+    let back = probe.back != crosses;
+    var plane = probe.plane;
     if crosses {
-        local = dp_turned(receiver);
+        plane = probe.turned;
     }
     let map = dp_project(dp_to_hemisphere(direction, crosses));
-    let around = dp_neighbours(light, local.back, map);
-    let margins = dp_margins(light, local, around.texels, dp_footprint(light, map));
-    var votes = dp_votes(light, local, margins);
-    if !dp_has_hemisphere(light, local.back) {
+    let around = dp_neighbours(light, back, map);
+    let margins = dp_margins(plane, around.texels, dp_footprint(light, map));
+    var votes = dp_votes(probe.judge, margins);
+    if !dp_has_hemisphere(light, back) {
         votes = DpVotes(vec4<f32>(0.0), vec4<f32>(1.0));
     }
-    return DpTap(around.weights, votes, margins, dp_nearness(light, receiver, around.texels));
+    return DpTap(around.weights, votes, margins, dp_nearness(probe, around.texels));
 }
 
 // The receiver as the other hemisphere has it.
@@ -212,18 +231,19 @@ fn dp_turned(receiver: DpReceiver) -> DpReceiver {
     return DpReceiver(position, normal, !receiver.back, dp_project(position));
 }
 
-fn dp_nearness(light: u32, receiver: DpReceiver, texels: DpTexels) -> vec4<f32> {
+fn dp_nearness(probe: DpProbe, texels: DpTexels) -> vec4<f32> {
     // The ray that has w = 1 is (1 + r^2)/2 long.
     let lengths = 0.5 + 0.5 * (texels.u * texels.u + texels.v * texels.v);
-    return texels.stored * (length(receiver.position) / dp_lights[light].near) / lengths;
+    return texels.stored * probe.distance / lengths;
 }
 
-// Votes for light in a disc of directions of so many texels' radius. Where the receiver's surface ends within the disc,
+// Votes for light in a disc of directions; `reach` is the margin of the receiver's own surface at the disc's rim, if that
+// curves by as much as the disc is wide. Where the receiver's surface ends within the disc,
 // what is behind its plane is seen past it. A receiver that the light's middle reaches (`centre` 1) sees the light
 // there too. One that it doesn't may be on the dark side of an object, so there only what is as near the plane as the
 // disc is wide counts, which may be the same surface, curved.
-fn dp_lit_in_disc(tap: DpTap, radius: f32, grazing: f32, centre: f32) -> vec4<f32> {
-    let near_plane = clamp(2.0 + tap.margins / (radius * (1.0 + grazing)), vec4<f32>(0.0), vec4<f32>(1.0));
+fn dp_lit_in_disc(tap: DpTap, reach: f32, centre: f32) -> vec4<f32> {
+    let near_plane = clamp(2.0 + tap.margins * (1.0 / reach), vec4<f32>(0.0), vec4<f32>(1.0));
     let past_end = mix(near_plane, vec4<f32>(1.0), centre);
     return select(vec4<f32>(0.0), past_end, tap.votes.dark == vec4<f32>(0.0));
 }
@@ -235,15 +255,15 @@ fn dp_sample_disc(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFil
     if radius < 0.5 {
         return centre;
     }
-    let grazing = dp_grazing(receiver);
+    let probe = dp_probe(light, receiver);
     let frame = dp_frame(receiver);
     let rim = sin(0.5 * min(filtering.size, DP_WIDEST));
     var lit = 0.0;
     var dark = 0.0;
     for (var i = 0u; i < filtering.taps; i++) {
         let angle = dp_disc_angle(i, filtering.taps, rim);
-        let tap = dp_tap(light, receiver, dp_spiral(frame, i, noise, angle));
-        lit += dot(tap.weights, dp_lit_in_disc(tap, radius, grazing, centre));
+        let tap = dp_tap(light, probe, dp_spiral(frame, i, noise, angle));
+        lit += dot(tap.weights, dp_lit_in_disc(tap, radius * probe.judge.spread, centre));
         dark += dot(tap.weights, tap.votes.dark);
     }
     return dp_count(lit / f32(filtering.taps), dark / f32(filtering.taps));
@@ -258,9 +278,10 @@ fn dp_sample_soft(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFil
     let size = filtering.size / max(length(receiver.position), 1e-30);
     let footprint = dp_footprint(light, receiver.map);
     // What throws penumbras that are narrower than a texel is left to the four texels around the receiver.
+    let probe = dp_probe(light, receiver);
     let around = dp_neighbours(light, receiver.back, receiver.map);
-    let votes = dp_votes(light, receiver, dp_margins(light, receiver, around.texels, footprint));
-    let nearness = dp_nearness(light, receiver, around.texels);
+    let votes = dp_votes(probe.judge, dp_margins(probe.plane, around.texels, footprint));
+    let nearness = dp_nearness(probe, around.texels);
     let blurred = dp_blurred(size / footprint, nearness);
     let all = max(dot(around.weights, votes.lit + votes.dark), DP_QUORUM);
     // Division may be rounded up.
@@ -270,23 +291,22 @@ fn dp_sample_soft(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFil
     let frame = dp_frame(receiver);
     let hidden = around.weights * votes.dark;
     let hider = dot(hidden, nearness) / max(dot(hidden, vec4<f32>(1.0)), 1e-6);
-    let blockers = dp_search(light, receiver, frame, noise, size, footprint, hider, filtering.taps);
+    let blockers = dp_search(light, probe, frame, noise, size, footprint, hider, filtering.taps);
     let found = dp_found(hidden * blurred, nearness) + blockers.found;
     if found.x < 1e-4 {
         return 1.0 - contact;
     }
     let widest = dp_penumbra(size, 1.0 + found.x / found.y);
     let rim = sin(0.5 * widest);
-    let grazing = dp_grazing(receiver);
     var lit = 0.0;
     var dark = 0.0;
     for (var i = 0u; i < filtering.taps; i++) {
         let angle = dp_disc_angle(i, filtering.taps, rim);
-        let tap = dp_tap(light, receiver, dp_spiral(frame, i, noise, angle));
+        let tap = dp_tap(light, probe, dp_spiral(frame, i, noise, angle));
         let off = dp_off_middle(size, angle, tap.nearness);
         let before = clamp(5.0 - 4.0 * off, vec4<f32>(0.0), vec4<f32>(1.0));
         let blocked = tap.votes.dark * before * dp_blurred(size / footprint, tap.nearness);
-        lit += dot(tap.weights, dp_lit_in_disc(tap, widest / footprint, grazing, centre));
+        lit += dot(tap.weights, dp_lit_in_disc(tap, widest / footprint * probe.judge.spread, centre));
         dark += dot(tap.weights, blocked);
     }
     let soft = dp_count(lit / f32(filtering.taps), dark / f32(filtering.taps));
@@ -334,7 +354,7 @@ const DP_BEHIND_HIDER: f32 = 0.25;
 // has to be near the light, and large in angle, to matter.
 fn dp_search(
     light: u32,
-    receiver: DpReceiver,
+    probe: DpProbe,
     frame: DpFrame,
     noise: f32,
     size: f32,
@@ -347,7 +367,7 @@ fn dp_search(
     for (var i = 0u; i < taps; i++) {
         let t = (f32(i) + 0.5) / f32(taps);
         let angle = vec2<f32>(sin(DP_WIDEST * t * t * t), cos(DP_WIDEST * t * t * t));
-        let tap = dp_tap(light, receiver, dp_spiral(frame, i, noise, angle));
+        let tap = dp_tap(light, probe, dp_spiral(frame, i, noise, angle));
         // Wider than what matters, since taps are few; the less it may matter, the less it counts.
         let off = dp_off_middle(size, angle, tap.nearness);
         let relevance = max(1.0 - 0.25 * off, vec4<f32>(0.0));

@@ -100,21 +100,38 @@ fn dp_locate(light: u32, position: vec3<f32>, normal: vec3<f32>) -> DpReceiver {
     return DpReceiver(in_hemisphere, dp_to_hemisphere(n, back), back, dp_project(in_hemisphere));
 }
 
-// Cosine between the receiver's normal and its ray, from 0 (edge-on) to 1.
-fn dp_incidence(receiver: DpReceiver) -> f32 {
-    let along = abs(dot(receiver.normal, dp_unproject_scaled(receiver.map)));
-    // The ray is (1 + r^2)/2 long.
-    return along / max(length(receiver.normal) * (0.5 + 0.5 * dot(receiver.map, receiver.map)), 1e-30);
+// The receiver's plane as the maps have it: its depth at map coordinates p is a quadratic, axis + slope.p + bend |p|^2.
+struct DpPlane {
+    slope: vec2<f32>,
+    bend: f32,
+    axis: f32,
+    // The receiver's own depth.
+    own: f32,
 }
 
-// Depths of the receiver's plane at four map coordinates.
-fn dp_receiver_depth(light: u32, receiver: DpReceiver, u: vec4<f32>, v: vec4<f32>) -> vec4<f32> {
-    let n = receiver.normal;
-    let here = dot(n, dp_unproject_scaled(receiver.map));
-    let there = n.x * u + n.y * v + n.z * (0.5 - 0.5 * (u * u + v * v));
-    let slope = clamp(there / here, vec4<f32>(DP_SLOPE_LOW), vec4<f32>(DP_SLOPE_HIGH));
+fn dp_plane(light: u32, receiver: DpReceiver) -> DpPlane {
+    let own = dp_depth(receiver.position, dp_lights[light].near);
+    let scale = own / dot(receiver.normal, dp_unproject_scaled(receiver.map));
     // Without a plane (no normal, or the light in it) the receiver's own depth has to do.
-    return dp_depth(receiver.position, dp_lights[light].near) * select(vec4<f32>(1.0), slope, abs(here) > 0.0);
+    if !(abs(scale) < 1e36) {
+        return DpPlane(vec2<f32>(0.0), 0.0, own, own);
+    }
+    let n = scale * receiver.normal;
+    return DpPlane(n.xy, -0.5 * n.z, 0.5 * n.z, own);
+}
+
+// Depths of the plane at four map coordinates.
+fn dp_plane_depths(plane: DpPlane, u: vec4<f32>, v: vec4<f32>) -> vec4<f32> {
+    let depths = (plane.axis + u * (plane.slope.x + plane.bend * u)) + v * (plane.slope.y + plane.bend * v);
+    return clamp(depths, vec4<f32>(DP_SLOPE_LOW * plane.own), vec4<f32>(DP_SLOPE_HIGH * plane.own));
+}
+
+// How margins are judged at a receiver.
+struct DpJudge {
+    // Margin up to which content counts as the receiver's own surface.
+    bias: f32,
+    // Scale of the ramp and of the fade: half along the ray and half along the normal.
+    spread: f32,
 }
 
 // What four texels say by their margins.
@@ -125,36 +142,33 @@ struct DpVotes {
 
 // Reciprocal of the cosine between the receiver's normal and its ray, from 1 to 1000 (edge-on).
 fn dp_grazing(receiver: DpReceiver) -> f32 {
-    return 1.0 / max(dp_incidence(receiver), 1e-3);
+    let along = abs(dot(receiver.normal, dp_unproject_scaled(receiver.map)));
+    // The ray is (1 + r^2)/2 long.
+    let whole = length(receiver.normal) * (0.5 + 0.5 * dot(receiver.map, receiver.map));
+    return select(1e3, clamp(whole / along, 1.0, 1e3), along > 0.0);
 }
 
-// Margin up to which content counts as the receiver's own surface.
-fn dp_bias(light: u32, grazing: f32) -> f32 {
-    return DP_BIAS + dp_lights[light].tolerance * grazing;
+fn dp_judge(light: u32, receiver: DpReceiver) -> DpJudge {
+    let grazing = dp_grazing(receiver);
+    return DpJudge(DP_BIAS + dp_lights[light].tolerance * grazing, 1.0 + grazing);
 }
 
-// Depths over those of the receiver's plane up to which content votes for light or for nothing, and from which on it votes
-// against in full. Most receivers are lit or dark altogether, which these tell without counting.
+fn dp_votes(judge: DpJudge, margin: vec4<f32>) -> DpVotes {
+    let before = max(1.0 - margin * (1.0 / judge.bias), vec4<f32>(0.0));
+    let behind = 1.0 / (1.0 - min(margin, vec4<f32>(0.0)) * (1.0 / (DP_FADE * judge.spread)));
+    let dark = clamp((margin - judge.bias) * (1.0 / (DP_RAMP * judge.spread)), vec4<f32>(0.0), vec4<f32>(1.0));
+    return DpVotes(select(before, behind, margin < vec4<f32>(0.0)), dark);
+}
+
+// Depths over those of the receiver's plane up to which no content votes against, and from which on all does in full. Most
+// receivers are lit or dark altogether, which these tell without counting.
 struct DpBounds {
     lit: f32,
     dark: f32,
 }
 
-fn dp_bounds(light: u32, receiver: DpReceiver, footprint: f32) -> DpBounds {
-    let grazing = dp_grazing(receiver);
-    let bias = dp_bias(light, grazing);
-    return DpBounds(1.0 + bias * footprint, 1.0 + (bias + DP_RAMP * (1.0 + grazing)) * footprint);
-}
-
-fn dp_votes(light: u32, receiver: DpReceiver, margin: vec4<f32>) -> DpVotes {
-    let grazing = dp_grazing(receiver);
-    let bias = dp_bias(light, grazing);
-    // Half along the ray and half along the normal.
-    let spread = 1.0 + grazing;
-    let before = max(1.0 - margin / bias, vec4<f32>(0.0));
-    let behind = 1.0 / (1.0 - min(margin, vec4<f32>(0.0)) / (DP_FADE * spread));
-    let dark = clamp((margin - bias) / (DP_RAMP * spread), vec4<f32>(0.0), vec4<f32>(1.0));
-    return DpVotes(select(before, behind, margin < vec4<f32>(0.0)), dark);
+fn dp_bounds(judge: DpJudge, footprint: f32) -> DpBounds {
+    return DpBounds(1.0 + judge.bias * footprint, 1.0 + (judge.bias + DP_RAMP * judge.spread) * footprint);
 }
 
 // Four texels of a map, in the order in which textureGather gives them: the row below, then the row above,
@@ -176,8 +190,8 @@ fn dp_texel_position(light: u32, map: vec2<f32>) -> vec2<f32> {
 fn dp_gather(light: u32, back: bool, base: vec2<f32>) -> DpTexels {
     let size = vec2<f32>(textureDimensions(dp_maps));
     let left = select(0.0, size.y, back);
-    let stored = textureGather(dp_maps, dp_sampler, (base + vec2<f32>(left, 0.0) + 1.0) / size, light);
-    let texel = vec2<f32>(1.0, -1.0) / dp_lights[light].texels;
+    let stored = textureGather(dp_maps, dp_sampler, (base + vec2<f32>(left, 0.0) + 1.0) * (1.0 / size), light);
+    let texel = vec2<f32>(1.0, -1.0) * (1.0 / dp_lights[light].texels);
     let low = (base + 0.5 - 0.5 * size.y) * texel;
     let high = low + texel;
     return DpTexels(
@@ -202,9 +216,9 @@ fn dp_neighbours(light: u32, back: bool, map: vec2<f32>) -> DpNeighbours {
     return DpNeighbours(dp_gather(light, back, base), weights);
 }
 
-// Margins of four texels that span `footprint` radians each. The receiver is in the hemisphere of the texels.
-fn dp_margins(light: u32, receiver: DpReceiver, texels: DpTexels, footprint: f32) -> vec4<f32> {
-    return (texels.stored / dp_receiver_depth(light, receiver, texels.u, texels.v) - 1.0) / footprint;
+// Margins of four texels that span `footprint` radians each, before the plane as the texels' map has it.
+fn dp_margins(plane: DpPlane, texels: DpTexels, footprint: f32) -> vec4<f32> {
+    return (texels.stored / dp_plane_depths(plane, texels.u, texels.v) - 1.0) * (1.0 / footprint);
 }
 
 // Angle that a texel spans at a place in a map.
@@ -222,14 +236,16 @@ fn dp_count(lit: f32, dark: f32) -> f32 {
 fn dp_sample_bilinear(light: u32, receiver: DpReceiver) -> f32 {
     let around = dp_neighbours(light, receiver.back, receiver.map);
     let footprint = dp_footprint(light, receiver.map);
-    let plane = dp_receiver_depth(light, receiver, around.texels.u, around.texels.v);
-    let bounds = dp_bounds(light, receiver, footprint);
-    if all(around.texels.stored <= bounds.lit * plane) {
+    let plane = dp_plane(light, receiver);
+    let judge = dp_judge(light, receiver);
+    let depths = dp_plane_depths(plane, around.texels.u, around.texels.v);
+    let bounds = dp_bounds(judge, footprint);
+    if all(around.texels.stored <= bounds.lit * depths) {
         return 1.0;
     }
-    if all(around.texels.stored >= bounds.dark * plane) {
+    if all(around.texels.stored >= bounds.dark * depths) {
         return 0.0;
     }
-    let votes = dp_votes(light, receiver, dp_margins(light, receiver, around.texels, footprint));
+    let votes = dp_votes(judge, dp_margins(plane, around.texels, footprint));
     return dp_count(dot(around.weights, votes.lit), dot(around.weights, votes.dark));
 }

@@ -140,7 +140,7 @@ fn penumbra(visible: f32) -> vec3<f32> {
 // The bias of the first light's lookup, in texels' footprints along the ray.
 fn bias(position: vec3<f32>, geometric: vec3<f32>) -> f32 {
     let index = lights[0].index;
-    return min(dp_bias(index, dp_grazing(dp_locate(index, position, geometric))), 1.0);
+    return min(dp_judge(index, dp_locate(index, position, geometric)).bias, 1.0);
 }
 
 // Jimenez, "Next generation post processing in Call of Duty: Advanced Warfare" (2014).

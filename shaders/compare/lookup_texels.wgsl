@@ -25,6 +25,8 @@ fn texels_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let base = vec2<i32>(floor(first));
     let left = select(0, resolution, receiver.back);
     let footprint = dp_texel_angle(receiver.map, 1.0 / texels);
+    let plane = dp_plane(light, receiver);
+    let judge = dp_judge(light, receiver);
     var lit = 0.0;
     var dark = 0.0;
     for (var y = 0; y < TEXEL_SIDE; y++) {
@@ -33,8 +35,8 @@ fn texels_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
             let p = (vec2<f32>(texel) + 0.5 - middle) * vec2<f32>(1.0, -1.0) / texels;
             let stored = textureLoad(dp_maps, texel + vec2<i32>(left, 0), light, 0);
             let weight = texel_weight(x, f.x) * texel_weight(y, f.y);
-            let plane = dp_receiver_depth(light, receiver, p.xxxx, p.yyyy).x;
-            let votes = dp_votes(light, receiver, vec4<f32>((stored / plane - 1.0) / footprint));
+            let depth = dp_plane_depths(plane, p.xxxx, p.yyyy).x;
+            let votes = dp_votes(judge, vec4<f32>((stored / depth - 1.0) / footprint));
             lit += weight * votes.lit.x;
             dark += weight * votes.dark.x;
         }
