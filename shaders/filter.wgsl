@@ -202,33 +202,62 @@ struct DpProbe {
 
 fn dp_probe(light: u32, receiver: DpReceiver) -> DpProbe {
     let turned = dp_plane(light, dp_turned(receiver));
-    let distance = length(receiver.position) / dp_lights[light].near;
+    let distance = receiver.distance / dp_lights[light].near;
     return DpProbe(receiver.back, dp_plane(light, receiver), turned, dp_judge(light, receiver), distance);
 }
 
-// The texels around any direction of the receiver's hemisphere space, in the map of the hemisphere that it lies in.
-fn dp_tap(light: u32, probe: DpProbe, direction: vec3<f32>) -> DpTap {
+// The four texels around a direction, and what the receiver's plane is there.
+struct DpPlace {
+    around: DpNeighbours,
+    depths: vec4<f32>,
+    footprint: f32,
+    // There is no such hemisphere, and everything in it counts as dark.
+    missing: bool,
+}
+
+// The texels around any direction, of length 1, of the receiver's hemisphere space, in the map of the hemisphere that it
+// lies in.
+fn dp_place(light: u32, probe: DpProbe, direction: vec3<f32>) -> DpPlace {
     let crosses = direction.z < 0.0;
     let back = probe.back != crosses;
     var plane = probe.plane;
     if crosses {
         plane = probe.turned;
     }
-    let map = dp_project(dp_to_hemisphere(direction, crosses));
+    let local = dp_to_hemisphere(direction, crosses);
+    let map = local.xy * (1.0 / (1.0 + local.z));
     let around = dp_neighbours(light, back, map);
-    let margins = dp_margins(plane, around.texels, dp_footprint(light, map));
+    let depths = dp_plane_depths(plane, around.texels.u, around.texels.v);
+    return DpPlace(around, depths, dp_footprint(light, map), !dp_has_hemisphere(light, back));
+}
+
+// Whether nothing at a place votes against.
+fn dp_is_clear(probe: DpProbe, place: DpPlace) -> bool {
+    let bounds = dp_bounds(probe.judge, place.footprint);
+    return !place.missing && all(place.around.texels.stored <= bounds.lit * place.depths);
+}
+
+// Whether everything at a place votes against in full.
+fn dp_is_blocked(probe: DpProbe, place: DpPlace) -> bool {
+    let bounds = dp_bounds(probe.judge, place.footprint);
+    return place.missing || all(place.around.texels.stored >= bounds.dark * place.depths);
+}
+
+fn dp_tap(probe: DpProbe, place: DpPlace) -> DpTap {
+    let margins = (place.around.texels.stored / place.depths - 1.0) * (1.0 / place.footprint);
     var votes = dp_votes(probe.judge, margins);
-    if !dp_has_hemisphere(light, back) {
+    if place.missing {
         votes = DpVotes(vec4<f32>(0.0), vec4<f32>(1.0));
     }
-    return DpTap(around.weights, votes, margins, dp_nearness(probe, around.texels));
+    return DpTap(place.around.weights, votes, margins, dp_nearness(probe, place.around.texels));
 }
 
 // The receiver as the other hemisphere has it.
 fn dp_turned(receiver: DpReceiver) -> DpReceiver {
     let position = dp_to_hemisphere(receiver.position, true);
     let normal = dp_to_hemisphere(receiver.normal, true);
-    return DpReceiver(position, normal, !receiver.back, dp_project(position));
+    let w = dp_homogeneous_w(position);
+    return DpReceiver(position, normal, !receiver.back, receiver.distance, w, dp_project(position));
 }
 
 fn dp_nearness(probe: DpProbe, texels: DpTexels) -> vec4<f32> {
@@ -262,9 +291,16 @@ fn dp_sample_disc(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFil
     var dark = 0.0;
     for (var i = 0u; i < filtering.taps; i++) {
         let angle = dp_disc_angle(i, filtering.taps, rim);
-        let tap = dp_tap(light, probe, dp_spiral(frame, i, noise, angle));
-        lit += dot(tap.weights, dp_lit_in_disc(tap, radius * probe.judge.spread, centre));
-        dark += dot(tap.weights, tap.votes.dark);
+        let place = dp_place(light, probe, dp_spiral(frame, i, noise, angle));
+        if centre == 1.0 && dp_is_clear(probe, place) {
+            lit += 1.0;
+        } else if dp_is_blocked(probe, place) {
+            dark += 1.0;
+        } else {
+            let tap = dp_tap(probe, place);
+            lit += dot(tap.weights, dp_lit_in_disc(tap, radius * probe.judge.spread, centre));
+            dark += dot(tap.weights, tap.votes.dark);
+        }
     }
     return dp_count(lit / f32(filtering.taps), dark / f32(filtering.taps));
 }
@@ -275,7 +311,7 @@ fn dp_sample_disc(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFil
 // finds how wide a disc of directions has what stands before the sphere, and that disc is filtered. What stands
 // elsewhere, as the wall beside a floor does, says nothing about the sphere.
 fn dp_sample_soft(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFilter) -> f32 {
-    let size = filtering.size / max(length(receiver.position), 1e-30);
+    let size = filtering.size / max(receiver.distance, 1e-30);
     let footprint = dp_footprint(light, receiver.map);
     // What throws penumbras that are narrower than a texel is left to the four texels around the receiver.
     let probe = dp_probe(light, receiver);
@@ -302,7 +338,12 @@ fn dp_sample_soft(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFil
     var dark = 0.0;
     for (var i = 0u; i < filtering.taps; i++) {
         let angle = dp_disc_angle(i, filtering.taps, rim);
-        let tap = dp_tap(light, probe, dp_spiral(frame, i, noise, angle));
+        let place = dp_place(light, probe, dp_spiral(frame, i, noise, angle));
+        if centre == 1.0 && dp_is_clear(probe, place) {
+            lit += 1.0;
+            continue;
+        }
+        let tap = dp_tap(probe, place);
         let off = dp_off_middle(size, angle, tap.nearness);
         let before = clamp(5.0 - 4.0 * off, vec4<f32>(0.0), vec4<f32>(1.0));
         let blocked = tap.votes.dark * before * dp_blurred(size / footprint, tap.nearness);
@@ -367,7 +408,12 @@ fn dp_search(
     for (var i = 0u; i < taps; i++) {
         let t = (f32(i) + 0.5) / f32(taps);
         let angle = vec2<f32>(sin(DP_WIDEST * t * t * t), cos(DP_WIDEST * t * t * t));
-        let tap = dp_tap(light, probe, dp_spiral(frame, i, noise, angle));
+        let place = dp_place(light, probe, dp_spiral(frame, i, noise, angle));
+        // What shows beside the hider matters only where there is one.
+        if hider == 0.0 && dp_is_clear(probe, place) {
+            continue;
+        }
+        let tap = dp_tap(probe, place);
         // Wider than what matters, since taps are few; the less it may matter, the less it counts.
         let off = dp_off_middle(size, angle, tap.nearness);
         let relevance = max(1.0 - 0.25 * off, vec4<f32>(0.0));

@@ -57,6 +57,9 @@ struct DpReceiver {
     position: vec3<f32>,
     normal: vec3<f32>,
     back: bool,
+    // |position|, and the w and the map coordinates that it is projected to.
+    distance: f32,
+    w: f32,
     map: vec2<f32>,
 }
 
@@ -75,7 +78,7 @@ fn dp_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
 }
 
 fn dp_is_out_of_range(light: u32, receiver: DpReceiver) -> bool {
-    return dot(receiver.position, receiver.position) > dp_lights[light].range * dp_lights[light].range;
+    return receiver.distance > dp_lights[light].range;
 }
 
 fn dp_has_hemisphere(light: u32, back: bool) -> bool {
@@ -96,8 +99,12 @@ fn dp_locate(light: u32, position: vec3<f32>, normal: vec3<f32>) -> DpReceiver {
         dot(dp_lights[light].forward, normal),
     );
     let back = dp_is_back(x);
-    let in_hemisphere = dp_to_hemisphere(x, back);
-    return DpReceiver(in_hemisphere, dp_to_hemisphere(n, back), back, dp_project(in_hemisphere));
+    let own = dp_to_hemisphere(x, back);
+    let distance = length(own);
+    // `dp_homogeneous_w` before the seam.
+    let w = distance + own.z;
+    let map = select(vec2<f32>(1e18, 0.0), own.xy * (1.0 / w), w > 0.0);
+    return DpReceiver(own, dp_to_hemisphere(n, back), back, distance, w, map);
 }
 
 // The receiver's plane as the maps have it: its depth at map coordinates p is a quadratic, axis + slope.p + bend |p|^2.
@@ -110,8 +117,8 @@ struct DpPlane {
 }
 
 fn dp_plane(light: u32, receiver: DpReceiver) -> DpPlane {
-    let own = dp_depth(receiver.position, dp_lights[light].near);
-    let scale = own / dot(receiver.normal, dp_unproject_scaled(receiver.map));
+    let own = dp_lights[light].near / receiver.w;
+    let scale = dp_lights[light].near / dot(receiver.normal, receiver.position);
     // Without a plane (no normal, or the light in it) the receiver's own depth has to do.
     if !(abs(scale) < 1e36) {
         return DpPlane(vec2<f32>(0.0), 0.0, own, own);
@@ -142,10 +149,8 @@ struct DpVotes {
 
 // Reciprocal of the cosine between the receiver's normal and its ray, from 1 to 1000 (edge-on).
 fn dp_grazing(receiver: DpReceiver) -> f32 {
-    let along = abs(dot(receiver.normal, dp_unproject_scaled(receiver.map)));
-    // The ray is (1 + r^2)/2 long.
-    let whole = length(receiver.normal) * (0.5 + 0.5 * dot(receiver.map, receiver.map));
-    return select(1e3, clamp(whole / along, 1.0, 1e3), along > 0.0);
+    let along = abs(dot(receiver.normal, receiver.position));
+    return select(1e3, clamp(length(receiver.normal) * receiver.distance / along, 1.0, 1e3), along > 0.0);
 }
 
 fn dp_judge(light: u32, receiver: DpReceiver) -> DpJudge {

@@ -22,6 +22,7 @@ const DRAW: u32 = 1u;
 const SPLIT: u32 = 2u;
 const KIND_MASK: u32 = 3u;
 const CULL_SHIFT: u32 = 2u;
+const PLACE_SHIFT: u32 = 4u;
 const WORDS: u32 = 8u;
 // Share of the tolerance that the edges of a triangle drawn whole may bend: depth is off by 4/3 of it at most, and the
 // split, which cuts what is above the whole, never cuts the neighbour's side of such an edge, however it rounds.
@@ -29,7 +30,8 @@ const WHOLE_SHARE: f32 = 0.375;
 
 // Map coordinates, signed w, and 1 where all triangles around the vertex face away, else 0.
 var<workgroup> corners: array<vec4<f32>, 256>;
-// Of each triangle its kind in bits 0-1 and its list entry's cull flags in 2-3.
+// Of each triangle its kind in bits 0-1, its list entry's cull flags in 2-3, and from bit 4 on its place among those of
+// its kind in its word.
 var<workgroup> fates: array<u32, 256>;
 // A bit for each triangle that is drawn and that is split, 32 a word; then where those of each word begin in the lists. So
 // they keep their order, in which neighbours mostly follow one another: the hardware keeps their vertices.
@@ -71,7 +73,7 @@ fn hemispheres_of(view: View, chunk: u32) -> u32 {
     if dot(nearest, nearest) > view.range * view.range {
         return 0u;
     }
-    if view.reject == 0u {
+    if !REJECT {
         return view.hemispheres;
     }
     // Highest and lowest z of light space in the box, and how far that still is inside a hemisphere.
@@ -93,7 +95,7 @@ fn culling_rule(view: View, chunk: u32) -> u32 {
     // Outside by more than near, nothing of a closed piece is clipped, so a front face hides every back face.
     let outside = any(view.position < chunk_bounds[chunk].pieces_min - view.near)
         || any(view.position > chunk_bounds[chunk].pieces_max + view.near);
-    return select(0u, CULL_CLOSED, outside && view.reject != 0u);
+    return select(0u, CULL_CLOSED, REJECT && outside);
 }
 
 fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
@@ -140,16 +142,19 @@ fn route_chunk(chunk: u32, hemisphere: u32, thread: u32) {
             split_starts[word] += split_base;
         }
     }
+    for (var t = thread; t < triangle_count(source); t += THREADS) {
+        let is_drawn = (fates[t] & KIND_MASK) == DRAW;
+        let alike = select(atomicLoad(&to_split[t / 32u]), atomicLoad(&drawn[t / 32u]), is_drawn);
+        fates[t] |= countOneBits(alike & ((1u << (t % 32u)) - 1u)) << PLACE_SHIFT;
+    }
     workgroupBarrier();
 
     let part = 3u * list_start(hemisphere);
     for (var t = thread; t < triangle_count(source); t += THREADS) {
         let fate = fates[t];
         if (fate & KIND_MASK) != DROP {
-            let word = t / 32u;
-            let before = (1u << (t % 32u)) - 1u;
-            let draw_place = draw_starts[word] + countOneBits(atomicLoad(&drawn[word]) & before);
-            let split_place = split_starts[word] + countOneBits(atomicLoad(&to_split[word]) & before);
+            let draw_place = draw_starts[t / 32u] + (fate >> PLACE_SHIFT);
+            let split_place = split_starts[t / 32u] + (fate >> PLACE_SHIFT);
             let place = select(view.list_capacity - 1u - split_place, draw_place, (fate & KIND_MASK) == DRAW);
             let entry = (corners_of(triangles[source.triangle + t]) + source.vertex) | entry_flags(fate);
             write_entry(part + 3u * place, entry);
@@ -193,7 +198,7 @@ fn fate_of(local: vec3<u32>, rule: u32, cull: f32) -> u32 {
     if hidden && is_culled(a.xy, b.xy, c.xy, cull) {
         return DROP;
     }
-    if view.reject != 0u && is_between_texels(a.xy, b.xy, c.xy) {
+    if REJECT && is_between_texels(a.xy, b.xy, c.xy) {
         return DROP;
     }
     return select(DRAW, SPLIT, any(sliver_shifts(a, b, c) != vec3<f32>()));

@@ -258,7 +258,7 @@ fn cut(piece: Piece, hemisphere: u32, shift: ptr<function, vec3<f32>>) -> bool {
         // Pieces of masked triangles have room for one shift only.
         let flat = select(sliver_shifts(a, b, c), vec3<f32>(), is_masked_job());
         *shift = select(vec3<f32>(depth_shift(piece, a, b, c)), flat, any(flat != vec3<f32>()));
-        return !(is_culled(a.xy, b.xy, c.xy, cull) || (view.reject != 0u && is_between_texels(a.xy, b.xy, c.xy)));
+        return !(is_culled(a.xy, b.xy, c.xy, cull) || (REJECT && is_between_texels(a.xy, b.xy, c.xy)));
     }
     let big = COARSE && max(max(excess.x, excess.y), max(excess.z, excess.w)) > BIG;
     if COARSE && !big && (piece.info & PART_FLAG) != 0u && hand_on(hemisphere, piece) {

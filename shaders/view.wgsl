@@ -30,10 +30,7 @@ struct View {
     // How far a chord may bend inside of a triangle, where its plane doesn't make it wrong.
     longest_bend: f32,
     // Bit k is set if chunks of kind k take part.
-    kinds: u32,
-    // Not 0 if triangles are left out that can't change the map; 0 only to prove that they can't. No constant, which would
-    // make two programs that round in two ways.
-    @size(148) reject: u32,
+    @size(152) kinds: u32,
 }
 
 // Arguments of the indirect draws, and the counters they come from. Index 0 is the front, 1 the back.
@@ -77,6 +74,9 @@ fn list_start(hemisphere: u32) -> u32 {
 fn is_masked_job() -> bool {
     return (view.kinds & 3u) == 0u;
 }
+
+// Rejecting what can't change the map; off only to prove that it can't.
+override REJECT: bool = true;
 
 // Room for the rasteriser's snapping to 1/256 texel, for its arithmetic, and for ours.
 fn raster_margin(view_resolution: f32) -> f32 {

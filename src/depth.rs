@@ -61,12 +61,11 @@ impl Depth {
         let group = gpu::bind_group(device, "depth", &layout, &[gpu::dynamic(&views, size)]);
         let module = gpu::shader(device, "depth", crate::wgsl::depth());
         let [whole, pieces] = [wgpu::vertex_attr_array![0 => Float32x3], wgpu::vertex_attr_array![0 => Float32x4]];
-        let pipeline = |entry_point, stride, attributes| {
-            depth_pipeline(device, &[&layout], &module, entry_point, Some(vertex_buffer(stride, attributes)), None)
-        };
+        let pipeline =
+            |entry_point, buffers: &[_]| depth_pipeline(device, &[&layout], &module, entry_point, buffers, None);
         let opaque = Pipelines {
-            whole: pipeline("depth", VERTEX_SIZE, &whole),
-            pieces: pipeline("depth_of_piece", 16, &pieces),
+            whole: pipeline("depth", &[Some(vertex_buffer(VERTEX_SIZE, &whole))]),
+            pieces: pipeline("depth_of_piece", &[None, Some(vertex_buffer(16, &pieces))]),
             exact: exact_pipelines(device, &[&exact_layout], "exact_fragment"),
         };
         Self { opaque, masked: None, layout, exact_layout, views, group }
@@ -149,8 +148,25 @@ impl Depth {
         })
     }
 
-    /// Draws what job number `number` chose for the light whose views are the `light`th.
+    /// Draws what the jobs number `drawn` chose for the light whose views are the `light`th.
     pub(crate) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass,
+        sources: &Sources,
+        shape: &MapShape,
+        light: u32,
+        drawn: Range<u32>,
+        jobs: &[Job],
+    ) {
+        pass.set_index_buffer(sources.lists.slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_vertex_buffer(0, sources.vertices.slice(..));
+        pass.set_vertex_buffer(1, sources.pieces.slice(..));
+        for number in drawn {
+            self.draw_job(pass, sources, shape, light, number, &jobs[number as usize]);
+        }
+    }
+
+    fn draw_job(
         &self,
         pass: &mut wgpu::RenderPass,
         sources: &Sources,
@@ -170,17 +186,14 @@ impl Depth {
             }
             _ => &self.opaque,
         };
-        pass.set_index_buffer(sources.lists.slice(..), wgpu::IndexFormat::Uint32);
         for back in hemispheres(job.light.coverage) {
             let b = u64::from(back);
             pass.set_viewport(size * back as f32, 0.0, size, size, 0.0, 1.0);
             pass.set_pipeline(&pipelines.whole);
             pass.set_bind_group(0, &self.group, &[view(back, 0)]);
-            pass.set_vertex_buffer(0, sources.vertices.slice(..));
             pass.draw_indexed_indirect(sources.arguments, at + offset_of!(Arguments, whole) as u64 + 20 * b);
             pass.set_pipeline(&pipelines.pieces);
             pass.set_bind_group(0, &self.group, &[view(back, 1)]);
-            pass.set_vertex_buffer(0, sources.pieces.slice(..));
             pass.draw_indirect(sources.arguments, at + offset_of!(Arguments, pieces) as u64 + 16 * b);
             pass.set_pipeline(&pipelines.exact[back as usize]);
             pass.set_bind_group(0, sources.exact, &[number * SLOT as u32]);
@@ -202,7 +215,7 @@ fn hemispheres(coverage: Coverage) -> Range<u32> {
     }
 }
 
-/// A buffer of vertices that a depth pipeline draws.
+/// A buffer of vertices that a depth pipeline draws: in slot 0 the casters', in slot 1 the pieces' corners.
 pub(crate) fn vertex_buffer(stride: u64, attributes: &[wgpu::VertexAttribute]) -> wgpu::VertexBufferLayout<'_> {
     wgpu::VertexBufferLayout { array_stride: stride, step_mode: wgpu::VertexStepMode::Vertex, attributes }
 }
@@ -213,7 +226,7 @@ pub(crate) fn depth_pipeline(
     layouts: &[&wgpu::BindGroupLayout],
     module: &wgpu::ShaderModule,
     entry_point: &str,
-    buffer: Option<wgpu::VertexBufferLayout>,
+    buffers: &[Option<wgpu::VertexBufferLayout>],
     fragment: Option<&str>,
 ) -> wgpu::RenderPipeline {
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -223,7 +236,7 @@ pub(crate) fn depth_pipeline(
             module,
             entry_point: Some(entry_point),
             compilation_options: Default::default(),
-            buffers: &[buffer],
+            buffers,
         },
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(gpu::depth_state()),

@@ -27,13 +27,12 @@ impl Masked {
         let module = gpu::shader(device, "masked", crate::wgsl::masked());
         let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
         let layouts = [layout, &mask_layout, &piece_layout];
-        let pipeline = |entry_point, attributes: Option<&[_]>| {
-            let buffer = attributes.map(|attributes| depth::vertex_buffer(VERTEX_SIZE, attributes));
-            depth::depth_pipeline(device, &layouts, &module, entry_point, buffer, Some("cut_out"))
+        let pipeline = |entry_point, buffers: &[_]| {
+            depth::depth_pipeline(device, &layouts, &module, entry_point, buffers, Some("cut_out"))
         };
         let pipelines = Pipelines {
-            whole: pipeline("masked", Some(&attributes)),
-            pieces: pipeline("masked_piece", None),
+            whole: pipeline("masked", &[Some(depth::vertex_buffer(VERTEX_SIZE, &attributes))]),
+            pieces: pipeline("masked_piece", &[]),
             exact: depth::exact_pipelines(device, &[exact_layout, &mask_layout], "exact_masked_fragment"),
         };
         Self { pipelines, mask_layout, piece_layout }

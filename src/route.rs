@@ -37,14 +37,16 @@ pub(crate) struct Route {
 }
 
 impl Route {
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
+    /// `reject` off keeps every triangle that a hemisphere isn't wholly in front of.
+    pub(crate) fn new(device: &wgpu::Device, reject: bool) -> Self {
         use Binding::{Counters, Read, Uniform, Write};
         let bindings = [Uniform, Counters, Read, Read, Read, Read, Write];
         let layout = gpu::layout(device, "route", wgpu::ShaderStages::COMPUTE, &bindings);
         let module = gpu::shader(device, "route", crate::wgsl::route());
         let software = gpu::is_software(device);
         let threads = if software { SOFTWARE_THREADS } else { THREADS };
-        let pipeline = gpu::compute_pipeline(device, "route", &module, Some(&layout), &[("THREADS", threads)]);
+        let constants = [("REJECT", f64::from(u8::from(reject))), ("THREADS", threads)];
+        let pipeline = gpu::compute_pipeline(device, "route", &module, Some(&layout), &constants);
         let capacity = 1024;
         let most_groups = if software { SOFTWARE_GROUPS } else { MOST_GROUPS };
         Self { pipeline, layout, most_groups, lists: lists(device, capacity), capacity }
@@ -75,12 +77,14 @@ impl Route {
         true
     }
 
-    /// The stretches of chunks that the lists surely have room for.
-    pub(crate) fn stretches(casters: &Casters) -> impl Iterator<Item = Range<u32>> {
-        let chunks = casters.chunk_count();
-        let fits = casters.triangle_count() <= u64::from(MOST_TRIANGLES);
-        let step = if fits { chunks } else { MOST_TRIANGLES / CHUNK };
-        (0..chunks).step_by(step.max(1) as usize).map(move |first| first..(first + step).min(chunks))
+    /// The stretches of chunks of which the lists surely have room for the triangles of some kinds, and for how many of them
+    /// each needs room.
+    pub(crate) fn stretches(casters: &Casters, kinds: u32) -> impl Iterator<Item = (Range<u32>, u32)> {
+        let triangles = casters.triangles_of(kinds);
+        let chunks = if triangles == 0 { 0 } else { casters.chunk_count() };
+        let step = if triangles <= u64::from(MOST_TRIANGLES) { chunks } else { MOST_TRIANGLES / CHUNK };
+        let room = triangles.min(u64::from(MOST_TRIANGLES)) as u32;
+        (0..chunks).step_by(step.max(1) as usize).map(move |first| (first..(first + step).min(chunks), room))
     }
 
     pub(crate) fn bind_group(
@@ -110,11 +114,6 @@ impl Route {
         pass.set_bind_group(0, group, &[offset, offset]);
         pass.dispatch_workgroups(chunks.min(self.most_groups), 1, jobs.len() as u32);
     }
-}
-
-/// What a job with so many triangles, or one stretch of more, needs room for.
-pub(crate) fn room(triangles: u64) -> u32 {
-    triangles.min(u64::from(MOST_TRIANGLES)) as u32
 }
 
 fn lists(device: &wgpu::Device, capacity: u32) -> wgpu::Buffer {

@@ -11,7 +11,7 @@ use crate::light::PointLight;
 use crate::lookup::Lookup;
 use crate::maps::{Maps, Target};
 use crate::masked;
-use crate::route::{self, Route};
+use crate::route::Route;
 use crate::schedule::{self, Due, Light, Stale};
 use crate::slots::{Handle, Slots};
 use crate::split::Split;
@@ -73,8 +73,6 @@ pub struct PointShadows {
     lookup: Lookup,
     route: Route,
     split: Split,
-    /// Whether triangles that can't change the maps are left out.
-    reject: bool,
     depth: Depth,
     views: wgpu::Buffer,
     arguments: wgpu::Buffer,
@@ -170,9 +168,8 @@ impl PointShadows {
             seen: None,
             lookup: Lookup::new(device, maps.live()),
             maps,
-            route: Route::new(device),
-            split: Split::new(device),
-            reject,
+            route: Route::new(device, reject),
+            split: Split::new(device, reject),
             depth: Depth::new(device, capacity),
             views: job_buffer(device, "views", capacity, wgpu::BufferUsages::UNIFORM),
             arguments: argument_buffer(device, capacity),
@@ -377,14 +374,9 @@ impl PointShadows {
         let mut add = |number, due: &Due, target, kinds, over_static| {
             let Due { layer, light, .. } = *due;
             let first = jobs.len() as u32;
-            for (chunks, of) in
-                Route::stretches(casters).flat_map(|chunks| [(chunks.clone(), OPAQUE), (chunks, MASKED)])
-            {
-                let kinds = kinds & of;
-                let triangles = route::room(casters.triangles_of(kinds));
-                if triangles > 0 {
-                    jobs.push(Job { light, chunks, kinds, triangles });
-                }
+            for kinds in [kinds & OPAQUE, kinds & MASKED] {
+                let job = |(chunks, triangles)| Job { light, chunks, kinds, triangles };
+                jobs.extend(Route::stretches(casters, kinds).map(job));
             }
             passes.push(Pass { number, layer, light, target, over_static, jobs: first..jobs.len() as u32 });
         };
@@ -436,9 +428,7 @@ impl PointShadows {
             masked: groups.masked.as_ref(),
         };
         let mut pass = Depth::begin(encoder, layer, clear);
-        for number in drawn {
-            self.depth.draw(&mut pass, &sources, &self.shape, light, number, &jobs[number as usize]);
-        }
+        self.depth.draw(&mut pass, &sources, &self.shape, light, drawn, jobs);
     }
 
     /// Writes each job's view and its counters' start, growing the buffers if there are more jobs than ever.
@@ -454,7 +444,7 @@ impl PointShadows {
         for batch in batches {
             let jobs = &jobs[batch.start as usize..batch.end as usize];
             for (job, shares) in jobs.iter().zip(batch::shares(jobs, self.split.capacity())) {
-                views.push(View::new(job, &self.shape, &shares, self.reject));
+                views.push(View::new(job, &self.shape, &shares));
                 arguments.push(Arguments::new(&shares));
             }
         }

@@ -44,7 +44,7 @@ pub(crate) struct Split {
 }
 
 impl Split {
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, reject: bool) -> Self {
         use Binding::{Counters, Read, Uniform, Write};
         let layout =
             gpu::layout(device, "split", wgpu::ShaderStages::COMPUTE, &[Uniform, Counters, Write, Read, Write, Write]);
@@ -52,7 +52,7 @@ impl Split {
         let software = gpu::is_software(device);
         let threads = if software { SOFTWARE_THREADS } else { THREADS };
         let pipelines = [1.0, 0.0].map(|coarse| {
-            let constants = [("COARSE", coarse), ("THREADS", threads)];
+            let constants = [("REJECT", f64::from(u8::from(reject))), ("COARSE", coarse), ("THREADS", threads)];
             gpu::compute_pipeline(device, "split", &module, Some(&layout), &constants)
         });
         let groups = if software { SOFTWARE_GROUPS } else { GROUPS };

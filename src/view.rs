@@ -85,8 +85,7 @@ pub(crate) struct View {
     piece_capacity: u32,
     longest_bend: f32,
     kinds: u32,
-    reject: u32,
-    padding: [u32; 36],
+    padding: [u32; 37],
 }
 
 /// Light space's axes in world space: the rows of the rotation from world to light space.
@@ -103,8 +102,7 @@ pub(crate) fn hemispheres(coverage: Coverage) -> u32 {
 }
 
 impl View {
-    /// `reject` off keeps every triangle that a hemisphere isn't wholly in front of.
-    pub(crate) fn new(job: &Job, shape: &MapShape, shares: &Shares, reject: bool) -> Self {
+    pub(crate) fn new(job: &Job, shape: &MapShape, shares: &Shares) -> Self {
         let Job { light, chunks, kinds, .. } = job;
         let [right, up, forward] = axes(light.orientation);
         Self {
@@ -127,8 +125,7 @@ impl View {
             piece_capacity: shares.pieces,
             longest_bend: shape.longest_bend(),
             kinds: *kinds,
-            reject: u32::from(reject),
-            padding: [0; 36],
+            padding: [0; 37],
         }
     }
 }
