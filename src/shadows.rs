@@ -520,7 +520,8 @@ impl PointShadows {
     }
 
     /// Bytes on the GPU: the maps, twice with [`keep_static`](PointShadowsDescriptor::keep_static), and what the lights
-    /// share: what the busiest one needs, and a few KiB for each.
+    /// share: what up to eight of them need at a time, by the casters' triangles and the resolution, and a few KiB for each.
+    /// That is about 180 MiB at most, unless a single light takes more.
     #[must_use]
     pub fn memory(&self) -> u64 {
         let own = self.views.size() + self.arguments.size();
