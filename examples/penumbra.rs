@@ -113,10 +113,10 @@ fn draw(path: &std::path::Path, profiles: &[Profile]) -> Result<(), Box<dyn std:
         chart.configure_mesh().x_labels(5).x_desc("distance from the edge's shadow").light_line_style(WHITE).draw()?;
         let truth: Vec<f32> = profile.truth.iter().map(|share| *share as f32).collect();
         let lines = [
-            ("ray casting", &truth, BLACK.stroke_width(3)),
-            ("dp_shadow", &profile.unfiltered, RGBColor(170, 170, 170).stroke_width(1)),
-            ("dp_shadow_soft, axis", &profile.soft[0], RED.stroke_width(1)),
-            ("at the rim", &profile.soft[1], BLUE.stroke_width(1)),
+            ("rays", &truth, BLACK.stroke_width(3)),
+            ("2x2", &profile.unfiltered, RGBColor(170, 170, 170).stroke_width(1)),
+            ("soft, axis", &profile.soft[0], RED.stroke_width(1)),
+            ("soft, rim", &profile.soft[1], BLUE.stroke_width(1)),
         ];
         for (name, values, style) in lines {
             let points = profile.distances.iter().copied().zip(values.iter().copied());
@@ -127,7 +127,7 @@ fn draw(path: &std::path::Path, profiles: &[Profile]) -> Result<(), Box<dyn std:
         }
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(SeriesLabelPosition::LowerLeft)
             .background_style(WHITE.mix(0.8))
             .draw()?;
     }

@@ -4,8 +4,11 @@ use crate::batch::MOST_JOBS;
 use crate::gpu::{self, Binding};
 use crate::view::{MapShape, SLOT};
 
-/// Workgroups per hemisphere; they share the triangles out evenly, neighbours to different ones.
+/// Workgroups per hemisphere of a job alone in its batch; they share the triangles out evenly, neighbours to different ones.
 const GROUPS: u32 = 512;
+
+/// The same of a full batch. Fewer have more to do at a time, and as many fill the device.
+const LEAST_GROUPS: u32 = 128;
 
 /// Threads of a workgroup.
 const THREADS: f64 = 64.0;
@@ -15,7 +18,7 @@ const SOFTWARE_THREADS: f64 = 8.0;
 
 /// Workgroups for devices in software: enough that none comes near the 65,535 rounds after which llvmpipe ends the loops
 /// of an invocation.
-const SOFTWARE_GROUPS: u32 = 128;
+const SOFTWARE_GROUPS: u32 = LEAST_GROUPS;
 
 /// Bytes of a piece: three corners and, with each, a depth shift.
 const PIECE_SIZE: u64 = 48;
@@ -124,7 +127,7 @@ impl Split {
         for pipeline in &self.pipelines {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, group, &[offset, offset]);
-            pass.dispatch_workgroups((self.groups / jobs.div_ceil(2)).max(64), 2, jobs);
+            pass.dispatch_workgroups((self.groups / jobs.div_ceil(2)).max(LEAST_GROUPS), 2, jobs);
         }
     }
 }

@@ -157,20 +157,18 @@ fn leaving_triangles_out_changes_nothing() {
     }
 }
 
+/// Eleven lights with two jobs each, which takes several batches.
 #[test]
 fn each_light_has_its_own_map() {
     let mut casters = random_sheets(&mut Pcg64::seed_from_u64(2), Sides::Auto);
-    let lights = [
-        PointLight { range: 100.0, ..Default::default() },
-        PointLight {
-            position: Vec3::new(0.3, 1.0, -2.0),
-            range: 50.0,
-            coverage: Coverage::Hemisphere,
-            ..Default::default()
-        },
-        PointLight { position: Vec3::new(-1.0, 0.4, 0.1), range: 60.0, ..Default::default() },
-    ];
-    let descriptor = PointShadowsDescriptor { capacity: 3, ..descriptor(128) };
+    let light = |k: u32| PointLight {
+        position: Vec3::new(0.3 * k as f32 - 1.5, 0.1 * k as f32, 0.7 * (k % 3) as f32 - 0.6),
+        range: [100.0, 3.0, 1.5][k as usize % 3],
+        coverage: if k % 4 == 1 { Coverage::Hemisphere } else { Coverage::Full },
+        ..Default::default()
+    };
+    let lights: [_; 11] = std::array::from_fn(|k| light(k as u32));
+    let descriptor = PointShadowsDescriptor { capacity: 11, ..descriptor(128) };
     let mut shadows = PointShadows::new(&gpu().device, &descriptor).unwrap();
     let ids = lights.map(|light| shadows.add(light).unwrap());
     for _ in 0..2 {
