@@ -60,9 +60,9 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     );
     let [casters, maps, kept] = sides.memory().map(|bytes| bytes as f64 / f64::from(1 << 20));
     println!("memory       {casters:.1} MiB of casters, {maps:.1} MiB of maps, {kept:.1} MiB with static ones kept");
-    let (times, moving) = measure(arguments, &gpu, &mut plaza, &mut sides)?;
+    let Measured { times, recording, moving } = measure(arguments, &gpu, &mut plaza, &mut sides)?;
     println!("moving       {:.0} us on the CPU to say where all are, the median", microseconds(moving.median));
-    print_medians(&times);
+    print_medians(&times, &recording);
     if let Some(path) = &arguments.json {
         let json = serde_json::to_string_pretty(&figures(arguments, &gpu, &sides, &times))?;
         make_folder(path)?;
@@ -71,18 +71,24 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     pictures(arguments, &gpu, &mut plaza)
 }
 
+/// What was measured.
+struct Measured {
+    /// Of each way; the host's with the encoder's finish.
+    times: [Times; Way::ALL.len()],
+    /// The host's without it.
+    recording: [Summary; Way::ALL.len()],
+    /// Of saying what has moved.
+    moving: Summary,
+}
+
 /// Times of each way, and of saying what has moved. Each way has a step of its own in every frame, so that all maps are
 /// stale, and another one is the first each time, so that drift hits all alike.
-fn measure(
-    arguments: &Arguments,
-    gpu: &Gpu,
-    plaza: &mut Plaza,
-    sides: &mut BothSides,
-) -> anyhow::Result<([Times; Way::ALL.len()], Summary)> {
+fn measure(arguments: &Arguments, gpu: &Gpu, plaza: &mut Plaza, sides: &mut BothSides) -> anyhow::Result<Measured> {
     let timer = Timer::new(gpu);
     println!("device times {}", timer.clock());
     let mut table = Table::new(&["frame", "casters", "route", "split", "depth", "this, ms", "kept", "still", "cube"]);
     let mut samples = [const { Vec::new() }; Way::ALL.len()];
+    let mut recording = [const { Vec::new() }; Way::ALL.len()];
     let (mut step, mut moving) = (0, Vec::new());
     for frame in 0..WARM_UP + arguments.frames {
         let mut times = [(Duration::ZERO, Duration::ZERO); Way::ALL.len()];
@@ -97,8 +103,16 @@ fn measure(
                 moving.push(started.elapsed());
             }
             let mut recorded = Ok(());
-            times[number] = timer.once(|encoder| recorded = sides.record(gpu, plaza, encoder, way));
+            let mut alone = Duration::ZERO;
+            times[number] = timer.once(|encoder| {
+                let started = Instant::now();
+                recorded = sides.record(gpu, plaza, encoder, way);
+                alone = started.elapsed();
+            });
             recorded?;
+            if frame >= WARM_UP {
+                recording[number].push(alone);
+            }
         }
         if frame >= WARM_UP {
             samples.iter_mut().zip(times).for_each(|(all, time): (&mut Vec<_>, _)| all.push(time));
@@ -110,7 +124,7 @@ fn measure(
         let (device, host) = samples.into_iter().unzip();
         Times { gpu: Summary::new(device), cpu: Summary::new(host) }
     });
-    Ok((times, Summary::new(moving)))
+    Ok(Measured { times, recording: recording.map(Summary::new), moving: Summary::new(moving) })
 }
 
 /// A row: the shares of the stages, and times in milliseconds. Ways are in the order of [`Way::ALL`].
@@ -123,11 +137,11 @@ fn cells(name: String, [casters, route, split, all, kept, still, cube]: [Duratio
     [name].into_iter().chain(shares).chain(times).collect()
 }
 
-fn print_medians(times: &[Times; Way::ALL.len()]) {
-    let mut table = Table::new(&["median", "GPU, ms", "CPU, us"]);
-    for (way, time) in Way::ALL.iter().zip(times) {
-        let figures =
-            [format!("{:.3}", milliseconds(time.gpu.median)), format!("{:.0}", microseconds(time.cpu.median))];
+fn print_medians(times: &[Times; Way::ALL.len()], recording: &[Summary; Way::ALL.len()]) {
+    let mut table = Table::new(&["median", "GPU, ms", "recording, us", "with finish, us"]);
+    for ((way, time), recording) in Way::ALL.iter().zip(times).zip(recording) {
+        let host = [recording, &time.cpu].map(|time| format!("{:.0}", microseconds(time.median)));
+        let figures = [format!("{:.3}", milliseconds(time.gpu.median))].into_iter().chain(host);
         table.row([format!("{way:?}").to_lowercase()].into_iter().chain(figures));
     }
     print!("{table}");
