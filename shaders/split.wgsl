@@ -265,7 +265,7 @@ fn cut(piece: Piece, hemisphere: u32, shift: ptr<function, vec3<f32>>) -> bool {
         return false;
     }
     var rest = piece;
-    rest.info = (piece.info & 0x78ffffffu) | select(0u, PART_FLAG, big);
+    rest.info = (piece.info & ~(QUAD_FLAG | PART_FLAG)) | select(0u, PART_FLAG, big);
     if is_quad {
         push_quad_parts(rest, edges == 5u && level < MOST_LEVELS, hemisphere);
     } else {
