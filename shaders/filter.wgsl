@@ -129,7 +129,8 @@ fn dp_sample_square(light: u32, receiver: DpReceiver, quads: u32) -> f32 {
         for (var x = 0u; x < quads; x++) {
             let corner = base - f32(last) + 2.0 * vec2<f32>(f32(x), f32(y));
             let texels = dp_gather(light, receiver.back, corner);
-            let votes = dp_votes(judge, dp_margins(plane, texels, footprint));
+            let depths = dp_plane_depths(plane, texels.u, texels.v);
+            let votes = dp_votes(judge, dp_margins(texels.stored, depths, footprint));
             let columns = vec2<f32>(select(1.0, 1.0 - f.x, x == 0u), select(1.0, f.x, x == last));
             let rows = vec2<f32>(select(1.0, 1.0 - f.y, y == 0u), select(1.0, f.y, y == last));
             let held = texels.u * texels.u + texels.v * texels.v <= vec4<f32>(end * end);
@@ -244,7 +245,7 @@ fn dp_is_blocked(probe: DpProbe, place: DpPlace) -> bool {
 }
 
 fn dp_tap(probe: DpProbe, place: DpPlace) -> DpTap {
-    let margins = (place.around.texels.stored / place.depths - 1.0) * (1.0 / place.footprint);
+    let margins = dp_margins(place.around.texels.stored, place.depths, place.footprint);
     var votes = dp_votes(probe.judge, margins);
     if place.missing {
         votes = DpVotes(vec4<f32>(0.0), vec4<f32>(1.0));
@@ -316,7 +317,8 @@ fn dp_sample_soft(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFil
     // What throws penumbras that are narrower than a texel is left to the four texels around the receiver.
     let probe = dp_probe(light, receiver);
     let around = dp_neighbours(light, receiver.back, receiver.map);
-    let votes = dp_votes(probe.judge, dp_margins(probe.plane, around.texels, footprint));
+    let depths = dp_plane_depths(probe.plane, around.texels.u, around.texels.v);
+    let votes = dp_votes(probe.judge, dp_margins(around.texels.stored, depths, footprint));
     let nearness = dp_nearness(probe, around.texels);
     let blurred = dp_blurred(size / footprint, nearness);
     let all = max(dot(around.weights, votes.lit + votes.dark), DP_QUORUM);

@@ -221,9 +221,9 @@ fn dp_neighbours(light: u32, back: bool, map: vec2<f32>) -> DpNeighbours {
     return DpNeighbours(dp_gather(light, back, base), weights);
 }
 
-// Margins of four texels that span `footprint` radians each, before the plane as the texels' map has it.
-fn dp_margins(plane: DpPlane, texels: DpTexels, footprint: f32) -> vec4<f32> {
-    return (texels.stored / dp_plane_depths(plane, texels.u, texels.v) - 1.0) * (1.0 / footprint);
+// Margins of four texels that span `footprint` radians each, by what they hold and the depths of the receiver's plane there.
+fn dp_margins(stored: vec4<f32>, depths: vec4<f32>, footprint: f32) -> vec4<f32> {
+    return (stored / depths - 1.0) * (1.0 / footprint);
 }
 
 // Angle that a texel spans at a place in a map.
@@ -251,6 +251,6 @@ fn dp_sample_bilinear(light: u32, receiver: DpReceiver) -> f32 {
     if all(around.texels.stored >= bounds.dark * depths) {
         return 0.0;
     }
-    let votes = dp_votes(judge, dp_margins(plane, around.texels, footprint));
+    let votes = dp_votes(judge, dp_margins(around.texels.stored, depths, footprint));
     return dp_count(dot(around.weights, votes.lit), dot(around.weights, votes.dark));
 }

@@ -36,7 +36,7 @@ fn texels_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
             let stored = textureLoad(dp_maps, texel + vec2<i32>(left, 0), light, 0);
             let weight = texel_weight(x, f.x) * texel_weight(y, f.y);
             let depth = dp_plane_depths(plane, p.xxxx, p.yyyy).x;
-            let votes = dp_votes(judge, vec4<f32>((stored / depth - 1.0) / footprint));
+            let votes = dp_votes(judge, dp_margins(vec4<f32>(stored), vec4<f32>(depth), footprint));
             lit += weight * votes.lit.x;
             dark += weight * votes.dark.x;
         }
