@@ -86,18 +86,25 @@ fn exact_texel(vertex: Vertex) -> ExactTexel {
     let centre = vec2<f32>((f32(HEMISPHERE) + 0.5) * view.resolution, 0.5 * view.resolution);
     let p = (vertex.position.xy - centre) * vec2<f32>(1.0, -1.0) / view.texels;
     let q = dp_unproject_scaled(p);
-    let normal = cross(vertex.b - vertex.a, vertex.c - vertex.a);
+    let normal = plane_normal(vertex.a, vertex.b, vertex.c);
     let plane_distance = dot(normal, vertex.a);
-    // Neighbours may be drawn by chords, so the edges reach as far out as a chord may miss.
-    let reach = length(q) * dp_texel_angle(p, 1.0 / view.texels) * view.tolerance;
-    let inside = sign(plane_distance) * edge_distance(vertex.a, vertex.b, q) >= -reach
-        && sign(plane_distance) * edge_distance(vertex.b, vertex.c, q) >= -reach
-        && sign(plane_distance) * edge_distance(vertex.c, vertex.a, q) >= -reach;
-    let depth = dp_plane_depth(normal, plane_distance, p, view.near);
-    return ExactTexel(inside && depth > 0.0 && depth <= 1.0, depth, q * (plane_distance / dot(normal, q)));
+    // Neighbours may be drawn by chords, so the edges reach as far out as a chord may miss. Out there the depth is that of
+    // the edge: planes seen edge-on would stand before their neighbours.
+    let reach = length(q) * dp_texel_angle(p, 1.0 / view.texels) * OUTLINE_SHARE * view.tolerance;
+    let turn = sign(plane_distance);
+    let ab = turn * edge_normal(vertex.a, vertex.b);
+    let bc = turn * edge_normal(vertex.b, vertex.c);
+    let ca = turn * edge_normal(vertex.c, vertex.a);
+    let inside = dot(ab, q) >= -reach && dot(bc, q) >= -reach && dot(ca, q) >= -reach;
+    var edge = q - min(dot(ab, q), 0.0) * ab;
+    edge -= min(dot(bc, edge), 0.0) * bc;
+    edge -= min(dot(ca, edge), 0.0) * ca;
+    let point = edge * (plane_distance / dot(normal, edge));
+    let depth = min(dp_depth(point, view.near), dp_plane_depth(normal, plane_distance, p, view.near));
+    return ExactTexel(inside && depth > 0.0 && depth <= 1.0, depth, point);
 }
 
-// Distance of `q` from the plane through the light and an edge.
-fn edge_distance(a: vec3<f32>, b: vec3<f32>, q: vec3<f32>) -> f32 {
-    return dot(normalize(cross(a, b)), q);
+// Unit normal of the plane through the light and an edge.
+fn edge_normal(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    return normalize(cross(a, b - a));
 }

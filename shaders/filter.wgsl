@@ -14,6 +14,11 @@ const DP_SOFT: u32 = 5u;
 
 // Widest kernel, as the angle between its middle and its rim at the light: 20 degrees.
 const DP_WIDEST: f32 = 0.34906585;
+// Four times the variance of bilinear weights along an axis, in texels: that of a disc is a quarter of its radius squared.
+const DP_TENT: f32 = 0.6666667;
+// Share of light that doesn't count at the dark middle of a penumbra that would be twice as wide as the widest kernel: a few
+// taps at the kernel's rim, far beside the receiver, past which something else is likely to be in the way.
+const DP_FAINT: f32 = 0.125;
 // Between neighbours of a spiral: the golden angle.
 const DP_GOLDEN_ANGLE: f32 = 2.3999632;
 const DP_TURN: f32 = 6.2831853;
@@ -335,7 +340,9 @@ fn dp_sample_soft(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFil
         return 1.0 - contact;
     }
     let widest = dp_penumbra(size, 1.0 + found.x / found.y);
-    let rim = sin(0.5 * widest);
+    // The four texels of a tap are a tent of their own: its variance is a part of the disc's.
+    let disc = sqrt(max(widest * widest - DP_TENT * footprint * footprint, 0.0));
+    let rim = sin(0.5 * disc);
     var lit = 0.0;
     var dark = 0.0;
     for (var i = 0u; i < filtering.taps; i++) {
@@ -352,13 +359,47 @@ fn dp_sample_soft(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFil
         lit += dot(tap.weights, dp_lit_in_disc(tap, widest / footprint * probe.judge.spread, centre));
         dark += dot(tap.weights, blocked);
     }
-    let soft = dp_count(lit / f32(filtering.taps), dark / f32(filtering.taps));
-    return (1.0 - contact) * soft * mix(dp_count(blockers.open, blockers.covered), 1.0, centre);
+    let share = dp_count(lit / f32(filtering.taps), dark / f32(filtering.taps));
+    let faint = DP_FAINT * clamp(size * found.x / (DP_WIDEST * found.y) - 1.0, 0.0, 1.0) * (1.0 - centre);
+    let soft = max(share - faint, 0.0) / (1.0 - faint);
+    // Weights and mixtures may be more than 1 by rounding.
+    let value = (1.0 - contact) * soft * min(mix(blockers.open, 1.0, centre), 1.0);
+    let penumbra = dp_penumbra(size, hider);
+    let narrower = clamp(3.0 - 4.0 * penumbra / widest, 0.0, 1.0) * (1.0 - centre);
+    if value == 0.0 || narrower == 0.0 {
+        return value;
+    }
+    let past_hider = dp_past_hider(light, probe, frame, noise, size, penumbra, filtering.taps);
+    return min(value, mix(1.0, past_hider, narrower));
 }
 
-// From 0 to 1 as the penumbra of what is so much nearer to the light than the receiver grows past a texel.
+// The share of the sphere past what hides the receiver itself, by the disc that has that before the sphere. Where what else
+// shows throws much wider penumbras, a disc that is wide enough for those may well reach past it.
+fn dp_past_hider(
+    light: u32,
+    probe: DpProbe,
+    frame: DpFrame,
+    noise: f32,
+    size: f32,
+    penumbra: f32,
+    taps: u32,
+) -> f32 {
+    let count = (taps + 3u) / 4u;
+    let rim = sin(0.5 * penumbra);
+    var dark = 0.0;
+    for (var i = 0u; i < count; i++) {
+        let angle = dp_disc_angle(i, count, rim);
+        let tap = dp_tap(probe, dp_place(light, probe, dp_spiral(frame, i, noise, angle)));
+        // Wider than the sphere, since what hides the receiver isn't all at one distance.
+        let before = clamp(3.0 - dp_off_middle(size, angle, tap.nearness), vec4<f32>(0.0), vec4<f32>(1.0));
+        dark += dot(tap.weights, tap.votes.dark * before);
+    }
+    return max(1.0 - dark / f32(count), 0.0);
+}
+
+// From 0 to 1 as the penumbra of what is so much nearer to the light than the receiver grows from half a texel to a whole one.
 fn dp_blurred(size_in_texels: f32, nearness: vec4<f32>) -> vec4<f32> {
-    return clamp(size_in_texels * (nearness - 1.0) - 0.5, vec4<f32>(0.0), vec4<f32>(1.0));
+    return clamp(2.0 * size_in_texels * (nearness - 1.0) - 1.0, vec4<f32>(0.0), vec4<f32>(1.0));
 }
 
 // How far from the sphere's middle, in its radii, the receiver sees what a tap at an angle (sine and cosine) holds;
@@ -384,10 +425,9 @@ fn dp_found(weights: vec4<f32>, nearness: vec4<f32>) -> vec2<f32> {
 struct DpBlockers {
     // A sum of `dp_found`.
     found: vec2<f32>,
-    // Of what shows first beside something that hides the receiver and is near the light: how much is the receiver's
-    // surface, and how much stands before that.
+    // Share of the receiver's surface in what shows first beside something that hides the receiver and is near the light. The
+    // rest stands before that surface, or nothing shows.
     open: f32,
-    covered: f32,
 }
 
 // How much nearer to the receiver than what hides it something must be, to be looked at behind it.
@@ -405,7 +445,7 @@ fn dp_search(
     hider: f32,
     taps: u32,
 ) -> DpBlockers {
-    var result = DpBlockers(vec2<f32>(0.0), 0.0, 0.0);
+    var result = DpBlockers(vec2<f32>(0.0), 0.0);
     var undecided = 1.0;
     for (var i = 0u; i < taps; i++) {
         let t = (f32(i) + 0.5) / f32(taps);
@@ -427,7 +467,6 @@ fn dp_search(
         let rises = vec4<f32>(angle.x) > tap.nearness - angle.y;
         let covered = dot(select(behind, vec4<f32>(0.0), rises), tap.votes.dark);
         let open = dot(behind, select(vec4<f32>(0.0), vec4<f32>(1.0), tap.votes.dark == vec4<f32>(0.0)));
-        result.covered += covered;
         result.open += open;
         undecided -= covered + open;
     }

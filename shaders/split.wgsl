@@ -34,9 +34,6 @@ const MOST_LEVELS: u32 = 15u;
 const RESERVE: u32 = 3u * MOST_LEVELS;
 // A piece is big if an edge has more than this many times the tolerable bend: it makes some dozens of pieces or more.
 const BIG: f32 = 64.0;
-// Share of the tolerance by which a chord of a triangle's outline may miss its arc. Less would only cost more pieces: where
-// the outline is decides which texels a triangle covers, and by then other errors are larger.
-const OUTLINE_SHARE: f32 = 0.4;
 // Chords inside of a triangle must not cross its outline, which is cut finely: near a corner they stay inside if they bend by
 // less than this share of the sine of the angle there, times the length of the outline's chords.
 const SHAPE: f32 = 0.15;

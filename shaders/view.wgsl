@@ -65,6 +65,10 @@ struct Arguments {
 // Jobs that the stages go through at a time; a workgroup's z says which.
 const MOST_JOBS: u32 = 8u;
 
+// Share of the tolerance by which a chord of a triangle's outline may miss its arc. Less would only cost more pieces: where
+// the outline is decides which texels a triangle covers, and by then other errors are larger.
+const OUTLINE_SHARE: f32 = 0.4;
+
 // Where a hemisphere's part of the lists begins, in triangles.
 fn list_start(hemisphere: u32) -> u32 {
     return view.first_triangle + view.list_capacity * hemisphere;
@@ -89,6 +93,19 @@ fn hemisphere_space(relative: vec3<f32>, hemisphere: u32) -> vec3<f32> {
 
 fn light_space(relative: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(dot(view.right, relative), dot(view.up, relative), dot(view.forward, relative));
+}
+
+// Normal of a triangle, as long as twice its area: from its two shorter edges, since the longer ones of a thin triangle are
+// parallel but for rounding.
+fn plane_normal(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
+    let e = b - a;
+    let f = c - b;
+    let g = a - c;
+    let squares = vec3<f32>(dot(e, e), dot(f, f), dot(g, g));
+    if squares.x >= max(squares.y, squares.z) {
+        return cross(f, g);
+    }
+    return cross(e, select(f, -g, squares.y >= squares.z));
 }
 
 // A vertex as the tests below need it: map coordinates, then w, negative if the vertex is behind.

@@ -1,7 +1,7 @@
 //! Filtered shadows: edges of one width everywhere, no line at the seam, no acne and no light where it is dark, and
 //! spheres of light against ray tracing.
 
-use crate::common::gpu;
+use crate::common::{descriptor, gpu};
 use crate::hard_cases::{boxes_around, orientation, rod, room, scene, slack_ppm};
 use dual_paraboloid::compare::area_light::{shares_of_sphere, soft_error};
 use dual_paraboloid::compare::error_figures::filter_error;
@@ -223,6 +223,26 @@ fn no_acne_and_no_light_in_the_dark_of_scenes() {
             let (light, _) = choose_light(&scene, None, None);
             assert_even_where_it_should_be(&scene, light, 512, 10_000);
         }
+    }
+}
+
+/// Poles around the light, seen edge-on by half of their faces, that are more pieces than there is room for at first: what is
+/// drawn exactly beside pieces doesn't stand before its neighbours.
+#[test]
+fn poles_without_room_have_no_acne() {
+    let at = |k: i32| Vec3::new((0.07 * k as f32).cos(), (0.07 * k as f32).sin(), 0.0) * 0.8;
+    let scene = scene((0..90).map(|k| rod(at(k) - 3.0 * Vec3::Z, at(k) + 6.0 * Vec3::Z, 0.01)));
+    let light = PointLight { filter: Filter::Pcf3, ..light_for(&scene, Vec3::ZERO) };
+    let truth = Truth::new(&scene, &light, 20_000, 1);
+    let mut made = Made::new(gpu(), &scene, light, &descriptor(256)).unwrap();
+    for without_room in [true, false] {
+        let statistics = gpu().statistics(&made.shadows);
+        assert_eq!(statistics.without_room[0] > 0, without_room, "{statistics:?}");
+        let values = gpu().filtered_values(&made.shadows, made.light, &truth.inputs());
+        let acne = filter_error(&truth, &values, &made.geometry(), light.filter).acne_ppm;
+        assert!(acne <= 1000.0, "{acne} per million are in false shadow, {statistics:?}");
+        gpu().wait();
+        record(&mut made);
     }
 }
 
