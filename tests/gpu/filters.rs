@@ -226,6 +226,27 @@ fn no_acne_and_no_light_in_the_dark_of_scenes() {
     }
 }
 
+/// Under a plate that is near the wall it is dark, however wide the penumbras that bars nearer to the light throw there.
+#[test]
+fn wide_penumbras_beside_it_let_no_light_under_a_caster() {
+    let wall = quad(Vec3::new(-3.0, -3.0, 3.0), Vec3::X * 6.0, Vec3::Y * 6.0);
+    let plate = quad(Vec3::new(0.0, -3.0, 2.65), Vec3::X * 3.0, Vec3::Y * 6.0);
+    let bars = (-8..=8).map(|k| Vec3::new(0.05 * k as f32 - 0.02, 0.0, 1.8));
+    let bars = bars.map(|at| rod(at - Vec3::Y, at + Vec3::Y, 0.008));
+    let scene = scene([wall, plate].into_iter().chain(bars));
+    // The plate's penumbra and a texel and a half more, as seen from the light.
+    let dark_from = 0.1 / 3.0 * (3.0 / 2.65 - 1.0) + 1.5 * 0.004;
+    let angles: Vec<f32> = (0..100).map(|k| dark_from + 0.0002 * k as f32).collect();
+    for turn in TURNS {
+        let orientation = Quat::from_rotation_x(turn);
+        let light = PointLight { orientation, filter: Filter::soft(0.1), ..light_for(&scene, Vec3::ZERO) };
+        let made = made(&scene, light, 1024);
+        let values = gpu().filtered_values(&made.shadows, made.light, &across_the_edge(&angles));
+        let lit = values.iter().filter(|value| **value > 0.01).count();
+        assert_eq!(lit, 0, "{turn}: {values:?}");
+    }
+}
+
 /// Poles around the light, seen edge-on by half of their faces, that are more pieces than there is room for at first: what is
 /// drawn exactly beside pieces doesn't stand before its neighbours.
 #[test]
