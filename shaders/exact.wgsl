@@ -88,18 +88,18 @@ fn exact_texel(vertex: Vertex) -> ExactTexel {
     let q = dp_unproject_scaled(p);
     let normal = plane_normal(vertex.a, vertex.b, vertex.c);
     let plane_distance = dot(normal, vertex.a);
-    // Neighbours may be drawn by chords, so the edges reach as far out as a chord may miss. Out there the depth is that of
-    // the edge: planes seen edge-on would stand before their neighbours.
+    // Neighbours may be drawn by chords, so the edges reach as far out as a chord may miss. Out there the depth is the plane's
+    // or the edge's, whichever is farther: planes seen edge-on would stand before their neighbours.
     let reach = length(q) * dp_texel_angle(p, 1.0 / view.texels) * OUTLINE_SHARE * view.tolerance;
     let turn = sign(plane_distance);
     let ab = turn * edge_normal(vertex.a, vertex.b);
     let bc = turn * edge_normal(vertex.b, vertex.c);
     let ca = turn * edge_normal(vertex.c, vertex.a);
     let inside = dot(ab, q) >= -reach && dot(bc, q) >= -reach && dot(ca, q) >= -reach;
-    var edge = q - min(dot(ab, q), 0.0) * ab;
-    edge -= min(dot(bc, edge), 0.0) * bc;
-    edge -= min(dot(ca, edge), 0.0) * ca;
-    let point = edge * (plane_distance / dot(normal, edge));
+    var within = q - min(dot(ab, q), 0.0) * ab;
+    within -= min(dot(bc, within), 0.0) * bc;
+    within -= min(dot(ca, within), 0.0) * ca;
+    let point = within * (plane_distance / dot(normal, within));
     let depth = min(dp_depth(point, view.near), dp_plane_depth(normal, plane_distance, p, view.near));
     return ExactTexel(inside && depth > 0.0 && depth <= 1.0, depth, point);
 }
@@ -107,4 +107,17 @@ fn exact_texel(vertex: Vertex) -> ExactTexel {
 // Unit normal of the plane through the light and an edge.
 fn edge_normal(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return normalize(cross(a, b - a));
+}
+
+// Normal of a triangle, as long as twice its area: from its two shorter edges, since the longer ones of a thin triangle are
+// parallel but for rounding.
+fn plane_normal(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
+    let e = b - a;
+    let f = c - b;
+    let g = a - c;
+    let squares = vec3<f32>(dot(e, e), dot(f, f), dot(g, g));
+    if squares.x >= max(squares.y, squares.z) {
+        return cross(f, g);
+    }
+    return cross(e, select(f, -g, squares.y >= squares.z));
 }

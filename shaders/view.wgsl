@@ -95,19 +95,6 @@ fn light_space(relative: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(dot(view.right, relative), dot(view.up, relative), dot(view.forward, relative));
 }
 
-// Normal of a triangle, as long as twice its area: from its two shorter edges, since the longer ones of a thin triangle are
-// parallel but for rounding.
-fn plane_normal(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
-    let e = b - a;
-    let f = c - b;
-    let g = a - c;
-    let squares = vec3<f32>(dot(e, e), dot(f, f), dot(g, g));
-    if squares.x >= max(squares.y, squares.z) {
-        return cross(f, g);
-    }
-    return cross(e, select(f, -g, squares.y >= squares.z));
-}
-
 // A vertex as the tests below need it: map coordinates, then w, negative if the vertex is behind.
 fn project_corner(x: vec3<f32>) -> vec3<f32> {
     let w = dp_homogeneous_w(x);
