@@ -95,6 +95,17 @@ fn several_methods_are_a_list_with_nulls_for_what_they_lack() {
 }
 
 #[test]
+fn a_smaller_tolerance_errs_less() {
+    let [rough, fine] = ["1", "0.02"].map(|tolerance| {
+        let name = format!("tolerance-{tolerance}.json");
+        let (json, _) = measure(&name, &["--resolution", "64", "--tolerance", tolerance]);
+        assert_keys(&json, &format!("{ALL} tolerance"));
+        json["map"]["depth_error_p99"].as_f64().unwrap()
+    });
+    assert!(fine < 0.5 * rough, "{fine}, {rough}");
+}
+
+#[test]
 fn a_soft_light_is_held_against_a_sphere() {
     let soft = ["--resolution", "64", "--filter", "soft", "--light-radius", "0.1"];
     let (json, printed) = measure("soft.json", &soft);
@@ -111,6 +122,7 @@ fn what_cannot_be_measured_is_one_line() {
         (&["no such file.glb"][..], "no such file.glb"),
         (&["few-large", "--range", "-3"], "-3"),
         (&["few-large", "--resolution", "0"], "resolution"),
+        (&["few-large", "--tolerance", "2"], "tolerance is 2"),
         (&["few-large", "--filter", "soft", "--light-radius", "-1"], "light radius is -1"),
         (&["few-large", "--light", "1000,0,0", "--range", "1"], "reaches no surface"),
     ] {

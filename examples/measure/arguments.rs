@@ -30,6 +30,10 @@ pub struct Arguments {
     /// cube-multiview, depth-view
     #[arg(long = "method", value_name = "METHOD", value_delimiter = ',', default_value = "paraboloid")]
     pub methods: Vec<Entry>,
+    /// How far depth may be off for `paraboloid`, in texel footprints along the normal, 0.01 to 1. Without it, the
+    /// library's default
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    pub tolerance: Option<f32>,
     /// How the lookup of `paraboloid` softens shadows
     #[arg(long, value_enum, default_value_t = FilterName::Bilinear)]
     pub filter: FilterName,

@@ -7,7 +7,7 @@ use dual_paraboloid::compare::baselines::{Baseline, DeviceScene, Lookup};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Judge, Judged};
 use dual_paraboloid::compare::timing::{Rounds, Summary, Timer};
-use dual_paraboloid::{Filter, PointLight};
+use dual_paraboloid::{Filter, PointLight, PointShadowsDescriptor};
 use indicatif::ProgressBar;
 
 /// Rounds that don't count, before the measured ones.
@@ -36,7 +36,8 @@ pub fn prepare(gpu: &Gpu, arguments: &Arguments) -> anyhow::Result<Vec<Measured>
             let name = entry.name();
             ensure!(entry.method.is_available(gpu), "{name} can't be made, or not right, on {}", gpu.name());
             let resolution = entry.side(arguments);
-            let baseline = Baseline::new(&gpu.device, entry.method, resolution)?;
+            let tolerance = arguments.tolerance.unwrap_or(PointShadowsDescriptor::default().tolerance);
+            let baseline = Baseline::with_tolerance(&gpu.device, entry.method, resolution, tolerance)?;
             Ok(Measured { entry, resolution, baseline, judged: None, soft: None, time: None })
         })
         .collect()

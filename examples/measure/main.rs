@@ -86,6 +86,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
             triangles: scene.triangle_count(),
             adapter: gpu.name(),
             runs: arguments.runs,
+            tolerance: arguments.tolerance,
         };
         report::write_json(path, &common, &measured)?;
     }

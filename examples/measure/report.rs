@@ -2,6 +2,7 @@
 
 use crate::figures::Measured;
 use anyhow::anyhow;
+use dual_paraboloid::compare::baselines::Method;
 use dual_paraboloid::compare::text::grouped;
 use dual_paraboloid::compare::timing::{Summary, milliseconds};
 use serde_json::{Value, json};
@@ -14,6 +15,8 @@ pub struct Common {
     pub triangles: usize,
     pub adapter: String,
     pub runs: u32,
+    /// The pair's, if it isn't the default.
+    pub tolerance: Option<f32>,
 }
 
 /// Writes an object for one method, a list for several.
@@ -37,6 +40,9 @@ fn object(common: &Common, one: &Measured) -> Value {
     });
     if let Some(bias) = one.judged.as_ref().and_then(|judged| judged.bias) {
         object["bias"] = json!(bias);
+    }
+    if let (Method::Paraboloid, Some(tolerance)) = (one.entry.method, common.tolerance) {
+        object["tolerance"] = json!(tolerance);
     }
     object
 }

@@ -27,7 +27,7 @@ pub use vertex_warp::VertexWarp;
 use super::fill;
 use super::gpu::{Evaluator, Gpu, evaluation};
 use super::scene::Scene;
-use crate::{Casters, Error, PointLight, PointShadows, Sides, Stage};
+use crate::{Casters, Error, PointLight, PointShadows, PointShadowsDescriptor, Sides, Stage};
 use glam::Vec3;
 use instanced::PassKind;
 use pair::Pair;
@@ -103,12 +103,25 @@ impl Baseline {
     /// # Errors
     /// [`BaselineError`], for a resolution or a method that the device doesn't allow.
     pub fn new(device: &wgpu::Device, method: Method, resolution: u32) -> Result<Self, BaselineError> {
+        Self::with_tolerance(device, method, resolution, PointShadowsDescriptor::default().tolerance)
+    }
+
+    /// [`Self::new`] with a [tolerance](PointShadowsDescriptor::tolerance), which only [`Method::Paraboloid`] heeds.
+    ///
+    /// # Errors
+    /// [`BaselineError`], for a resolution, a method or a tolerance that isn't allowed.
+    pub fn with_tolerance(
+        device: &wgpu::Device,
+        method: Method,
+        resolution: u32,
+        tolerance: f32,
+    ) -> Result<Self, BaselineError> {
         let across = if method.is_cube() { 1 } else { 2 };
         let most = device.limits().max_texture_dimension_2d / across;
         if !(1..=most).contains(&resolution) {
             return Err(BaselineError::Resolution { method, resolution, most });
         }
-        Ok(Self { method, kind: Kind::new(device, method, resolution)?, bias: ConstantBias::default() })
+        Ok(Self { method, kind: Kind::new(device, method, resolution, tolerance)?, bias: ConstantBias::default() })
     }
 
     /// Which method it is.
@@ -235,9 +248,9 @@ impl Baseline {
 }
 
 impl Kind {
-    fn new(device: &wgpu::Device, method: Method, resolution: u32) -> Result<Self, BaselineError> {
+    fn new(device: &wgpu::Device, method: Method, resolution: u32, tolerance: f32) -> Result<Self, BaselineError> {
         Ok(match method {
-            Method::Paraboloid => Self::Pair(Box::new(Pair::new(device, resolution)?)),
+            Method::Paraboloid => Self::Pair(Box::new(Pair::new(device, resolution, tolerance)?)),
             Method::VertexWarp => Self::VertexWarp(VertexWarp::new(device, resolution)),
             Method::Cube => Self::Cube(Cube::new(device, resolution, Culling::Frustum)),
             Method::CubeUnculled => Self::Cube(Cube::new(device, resolution, Culling::None)),
