@@ -112,7 +112,7 @@ fn dp_sample_square(light: u32, receiver: DpReceiver, quads: u32) -> f32 {
     let plane = dp_plane(light, receiver);
     let judge = dp_judge(light, receiver);
     // Past the guard band there is nothing to be read.
-    let end = 0.5 * f32(textureDimensions(dp_maps).y) / dp_lights[light].texels;
+    let end = 0.5 * dp_lights[light].resolution / dp_lights[light].texels;
     let bounds = dp_bounds(judge, footprint);
     var all_lit = length(receiver.map) + 1.5 * f32(quads) / dp_lights[light].texels < end;
     var all_dark = all_lit;

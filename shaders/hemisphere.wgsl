@@ -10,11 +10,9 @@ struct DpHemisphere {
     scale: f32,
     forward: vec3<f32>,
     padding_0: u32,
-    // What positions are relative to: the light's position for world space, 0 for pieces.
+    // The light's position in the world.
     origin: vec3<f32>,
     padding_1: u32,
-    light: vec3<f32>,
-    padding_2: u32,
 }
 
 @group(DP_GROUP) @binding(0) var<uniform> dp_hemisphere: DpHemisphere;

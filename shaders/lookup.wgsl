@@ -22,12 +22,16 @@ struct DpLight {
     position: vec3<f32>,
     // Bit 0 the front hemisphere, bit 1 the back; 0 for no light.
     hemispheres: u32,
-    // How far depth may be off along a surface's normal, in texel footprints.
-    tolerance: f32,
+    // Upper left texel of the light's maps, texels across each, and the layer.
+    origin: vec2<f32>,
+    resolution: f32,
+    layer: u32,
+    // Bias along a surface's normal, in texel footprints.
+    normal_bias: f32,
     filtering: DpFilter,
 }
 
-@group(DP_GROUP) @binding(0) var dp_maps: texture_depth_2d_array;
+@group(DP_GROUP) @binding(0) var dp_maps: texture_2d_array<f32>;
 @group(DP_GROUP) @binding(1) var dp_sampler: sampler;
 @group(DP_GROUP) @binding(2) var<storage, read> dp_lights: array<DpLight>;
 
@@ -36,9 +40,8 @@ struct DpLight {
 // a vote for light. Content before it is in the way: a vote against. Content behind it says next to nothing: the
 // receiver's surface ends before that texel, as it does all around the dark side of an object.
 
-// Margin up to which content may be the receiver's own surface, for curvature finer than a texel and for the
-// rasteriser's snapping. On top comes the tolerance along the receiver's normal, by which the depth that the hardware
-// interpolates over a chord may be off. Less shows acne, more lets light in under contacts.
+// Margin up to which content may be the receiver's own surface, for curvature finer than a texel. On top comes the light's
+// bias along the receiver's normal. Less shows acne, more lets light in under contacts.
 const DP_BIAS: f32 = 0.05;
 // Margin beyond the bias with which content is in the way for certain. Less may as well be the other face of a crease.
 const DP_RAMP: f32 = 0.5;
@@ -155,7 +158,7 @@ fn dp_grazing(receiver: DpReceiver) -> f32 {
 
 fn dp_judge(light: u32, receiver: DpReceiver) -> DpJudge {
     let grazing = dp_grazing(receiver);
-    return DpJudge(DP_BIAS + dp_lights[light].tolerance * grazing, 1.0 + grazing);
+    return DpJudge(DP_BIAS + dp_lights[light].normal_bias * grazing, 1.0 + grazing);
 }
 
 fn dp_votes(judge: DpJudge, margin: vec4<f32>) -> DpVotes {
@@ -188,16 +191,17 @@ struct DpTexels {
 // Map coordinates in texels: integers are the centres of texels, from the upper left one on.
 fn dp_texel_position(light: u32, map: vec2<f32>) -> vec2<f32> {
     let texels = dp_lights[light].texels;
-    return 0.5 * f32(textureDimensions(dp_maps).y) + map * vec2<f32>(texels, -texels) - 0.5;
+    return 0.5 * dp_lights[light].resolution + map * vec2<f32>(texels, -texels) - 0.5;
 }
 
 // The texel `base` of a hemisphere's map, and those to its right and below.
 fn dp_gather(light: u32, back: bool, base: vec2<f32>) -> DpTexels {
-    let size = vec2<f32>(textureDimensions(dp_maps));
-    let left = select(0.0, size.y, back);
-    let stored = textureGather(dp_maps, dp_sampler, (base + vec2<f32>(left, 0.0) + 1.0) * (1.0 / size), light);
+    let resolution = dp_lights[light].resolution;
+    let corner = dp_lights[light].origin + vec2<f32>(select(0.0, resolution, back), 0.0);
+    let at = (corner + base + 1.0) * (1.0 / vec2<f32>(textureDimensions(dp_maps)));
+    let stored = textureGather(0, dp_maps, dp_sampler, at, dp_lights[light].layer);
     let texel = vec2<f32>(1.0, -1.0) * (1.0 / dp_lights[light].texels);
-    let low = (base + 0.5 - 0.5 * size.y) * texel;
+    let low = (base + 0.5 - 0.5 * resolution) * texel;
     let high = low + texel;
     return DpTexels(
         stored,
@@ -213,7 +217,7 @@ struct DpNeighbours {
 }
 
 fn dp_neighbours(light: u32, back: bool, map: vec2<f32>) -> DpNeighbours {
-    let last = f32(textureDimensions(dp_maps).y) - 2.0;
+    let last = dp_lights[light].resolution - 2.0;
     let at = dp_texel_position(light, map);
     let base = clamp(floor(at), vec2<f32>(0.0), vec2<f32>(max(last, 0.0)));
     let f = clamp(at - base, vec2<f32>(0.0), vec2<f32>(1.0));

@@ -22,12 +22,17 @@ struct Mask {
 }
 
 @group(1) @binding(0) var<storage, read> mask_vertices: array<MaskVertex>;
-@group(1) @binding(1) var<storage, read> masks: array<Mask>;
-@group(1) @binding(2) var<storage, read> mask_alphas: array<u32>;
+// Masks, four words each, and the alphas of their textures.
+@group(1) @binding(1) var<storage, read> mask_words: array<u32>;
 
 const CLAMP_TO_EDGE: u32 = 0u;
 const REPEAT: u32 = 1u;
 const MIRROR_REPEAT: u32 = 2u;
+
+fn mask_at(first: u32) -> Mask {
+    let cutoff = bitcast<f32>(mask_words[first + 2u]);
+    return Mask(mask_words[first], mask_words[first + 1u], cutoff, mask_words[first + 3u]);
+}
 
 fn is_hole(mask: Mask, coordinates: vec2<f32>) -> bool {
     let modes = vec2<u32>(mask.address_modes & 3u, mask.address_modes >> 2u);
@@ -83,19 +88,8 @@ fn texel_place(place: i32, size: i32, mode: u32) -> u32 {
 // Alpha of a texel, in 255ths.
 fn alpha(mask: Mask, column: u32, row: u32) -> f32 {
     let words = ((mask.size & 0xffffu) + 3u) / 4u;
-    let word = mask_alphas[mask.first + row * words + column / 4u];
+    let word = mask_words[mask.first + row * words + column / 4u];
     return f32((word >> (8u * (column % 4u))) & 0xffu);
-}
-
-// Weights of a triangle's corners at a point of its plane.
-fn barycentrics(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, point: vec3<f32>) -> vec3<f32> {
-    let normal = normalize(cross(b - a, c - a));
-    let areas = vec3<f32>(
-        dot(normal, cross(c - b, point - b)),
-        dot(normal, cross(a - c, point - c)),
-        dot(normal, cross(b - a, point - a)),
-    );
-    return areas / (areas.x + areas.y + areas.z);
 }
 
 // Texture coordinates by the weights of three vertices.

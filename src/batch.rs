@@ -1,98 +1,113 @@
-//! What one run of the stages goes through: several lights' jobs at a time, so that a small light costs what is near it
-//! and not a round of dispatches that wait for one another.
+//! What one run of the stages goes through: several lights at a time, so that a small light costs what is near it and not a
+//! round of dispatches that wait for one another.
 
+use crate::casters::Casters;
 use crate::light::PointLight;
-use std::ops::Range;
+use crate::view::MapShape;
 
-/// Jobs of one batch at most; twin of the constant in `shaders/view.wgsl`.
-pub(crate) const MOST_JOBS: u32 = 8;
+/// Work items of one batch at most; twin of the constant in `shaders/view.wgsl`.
+pub(crate) const MOST_ITEMS: u32 = 8;
 
-/// Bits of [`Job::kinds`]: bit 0 of a chunk's kind says that its instance is marked as moving.
+/// Bits of [`Item::kinds`]: bit 0 of a chunk's kind says that its instance is marked as moving.
 pub(crate) const STATIC: u32 = 0b0101;
 /// The others.
 pub(crate) const MOVING: u32 = 0b1010;
-/// The same: bit 1 says that its mesh has holes.
-pub(crate) const OPAQUE: u32 = 0b0011;
-/// See [`OPAQUE`].
+/// Bit 1 says that a chunk's mesh has holes.
 pub(crate) const MASKED: u32 = 0b1100;
 
-/// A light, a stretch of the chunks, and which kinds of them.
+/// What an item's map starts from: that of the static casters. Twin of `START_STATIC`.
+pub(crate) const START_STATIC: u32 = 1;
+/// The same: what the caller has drawn. Twin of `START_CUSTOM`.
+pub(crate) const START_CUSTOM: u32 = 2;
+
+/// A light whose map is made, and of which kinds of chunks.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Job {
+pub(crate) struct Item {
     pub(crate) light: PointLight,
-    pub(crate) chunks: Range<u32>,
+    pub(crate) layer: u32,
     /// Bit k stands for chunks of kind k.
     pub(crate) kinds: u32,
-    /// Triangles of these chunks at most.
-    pub(crate) triangles: u32,
+    /// [`START_STATIC`] and [`START_CUSTOM`].
+    pub(crate) start: u32,
 }
 
-impl Job {
-    /// Whether it is of casters with holes.
-    pub(crate) fn is_masked(&self) -> bool {
-        self.kinds & OPAQUE == 0
-    }
+/// Texels across a tile; twin of `TILE`.
+pub(crate) const TILE: u32 = 16;
+/// Tiles across a block; twin of `BLOCK`.
+const BLOCK: u32 = 8;
+/// Large triangles of an item that there is room for at most, counted in each hemisphere; with more they are drawn another
+/// way.
+const MOST_RECORDS: u64 = 1 << 18;
+/// Jobs of the binning that there is room for however few records.
+const FEWEST_JOBS: u64 = 1 << 16;
+/// Words of bits of a chunk: of both hemispheres, twin of `CHUNK_BITS`.
+const BITS: u32 = 2 * 16;
+/// Bytes of the workspace of a batch of several items.
+const BATCH_BYTES: u64 = 128 << 20;
+
+/// What an item needs of the workspace.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Share {
+    /// Tiles of both hemispheres.
+    pub(crate) tiles: u32,
+    pub(crate) records: u32,
+    pub(crate) jobs: u32,
+    /// Words.
+    pub(crate) bits: u32,
+    /// Whether there may be more records or jobs than room.
+    pub(crate) overflows: bool,
 }
 
-/// A job's shares of the lists and of the pieces: where they start, and the room that each hemisphere has there, front
-/// and then back.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Shares {
-    pub(crate) first_triangle: u32,
-    pub(crate) triangles: u32,
-    pub(crate) first_piece: u32,
-    pub(crate) pieces: u32,
-}
-
-/// Packs jobs, in order, into batches of at most `most` jobs whose lists together have room for `triangles` in each
-/// hemisphere. A job that alone has more is a batch of its own.
-pub(crate) fn pack(jobs: &[Job], most: u32, triangles: u32) -> Vec<Range<u32>> {
-    let mut batches: Vec<Range<u32>> = Vec::new();
-    let mut listed = 0;
-    for (number, job) in (0..).zip(jobs) {
-        match batches.last_mut() {
-            Some(batch) if batch.len() < most as usize && listed + job.triangles <= triangles => {
-                batch.end += 1;
-                listed += job.triangles;
-            }
-            _ => {
-                batches.push(number..number + 1);
-                listed = job.triangles;
-            }
+impl Share {
+    pub(crate) fn new(shape: &MapShape, casters: &Casters) -> Self {
+        let across = shape.tiles();
+        let most = 2 * casters.triangle_count();
+        let records = most.clamp(64, MOST_RECORDS);
+        let most_jobs = records * u64::from(across.div_ceil(BLOCK));
+        let jobs = most_jobs.min(FEWEST_JOBS.max(4 * records));
+        Self {
+            tiles: 2 * across * across,
+            records: records as u32,
+            jobs: jobs as u32,
+            bits: BITS * casters.chunk_count().max(1),
+            overflows: most > records || most_jobs > jobs,
         }
     }
-    batches
-}
 
-/// The shares of a batch's jobs, each hemisphere of each with room for `pieces`.
-pub(crate) fn shares(jobs: &[Job], pieces: u32) -> impl Iterator<Item = Shares> {
-    let mut listed = 0;
-    (0..).zip(jobs).map(move |(place, job)| {
-        let first_triangle = listed;
-        listed += 2 * job.triangles;
-        Shares { first_triangle, triangles: job.triangles, first_piece: 2 * pieces * place, pieces }
-    })
+    /// The same with room for `most` records.
+    pub(crate) fn with_records(self, most: u32) -> Self {
+        Self { records: most, overflows: self.overflows || most < self.records, ..self }
+    }
+
+    /// Bytes of an item's share, with lists of `room` entries.
+    pub(crate) fn bytes(&self, room: u32) -> u64 {
+        let texels = 8 * u64::from(TILE * TILE);
+        let tiles = u64::from(self.tiles) * (texels + 8 + 4 * u64::from(room));
+        tiles + 64 * u64::from(self.records) + 4 * u64::from(self.jobs) + 4 * u64::from(self.bits)
+    }
+
+    /// Items of a batch, of so many as there are. `limit` is the most that a buffer may have.
+    pub(crate) fn items(&self, lights: u32, room: u32, limit: u64) -> u32 {
+        let list = 4 * u64::from(room.max(TILE * TILE)) * u64::from(self.tiles);
+        let widest = list.max(64 * u64::from(self.records)).max(4 * u64::from(self.bits));
+        let fit = (BATCH_BYTES / self.bytes(room)).min(limit / widest);
+        fit.clamp(1, u64::from(MOST_ITEMS.min(lights.max(1)))) as u32
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn jobs(triangles: &[u32]) -> Vec<Job> {
-        let job = |&triangles| Job { light: PointLight::default(), chunks: 0..1, kinds: OPAQUE, triangles };
-        triangles.iter().map(job).collect()
-    }
-
     #[test]
-    fn batches_have_room() {
-        let jobs = jobs(&[4, 4, 4, 10, 1, 1, 1, 1, 1, 20, 3]);
-        assert_eq!(pack(&jobs, 3, 10), [0..2, 2..3, 3..4, 4..7, 7..9, 9..10, 10..11]);
-        assert_eq!(pack(&[], 3, 10), []);
-    }
-
-    #[test]
-    fn shares_follow_one_another() {
-        let starts: Vec<_> = shares(&jobs(&[5, 7, 2]), 100).map(|s| (s.first_triangle, s.first_piece)).collect();
-        assert_eq!(starts, [(0, 0), (10, 200), (24, 400)]);
+    fn batches_are_as_large_as_there_is_room() {
+        let share = Share { tiles: 8192, records: 64, jobs: 1024, bits: 32, overflows: false };
+        // 8192 tiles of 2048 + 8 + 512 bytes, and 8320 bytes.
+        assert_eq!(share.bytes(128), 8192 * 2568 + 4096 + 4096 + 128);
+        assert_eq!(share.items(64, 128, 128 << 20), 6);
+        assert_eq!(share.items(3, 128, 128 << 20), 3);
+        assert_eq!(share.items(64, 128, 8 << 20), 1);
+        assert_eq!(Share { tiles: 128, ..share }.items(64, 128, 128 << 20), 8);
+        assert_eq!(Share { tiles: 1 << 20, ..share }.items(64, 128, 128 << 20), 1);
     }
 }

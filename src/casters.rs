@@ -256,7 +256,7 @@ impl Casters {
     }
 
     /// What `shaders/mask.wgsl` reads.
-    pub(crate) fn mask_buffers(&self) -> [&wgpu::Buffer; 3] {
+    pub(crate) fn mask_buffers(&self) -> [&wgpu::Buffer; 2] {
         self.masks.arenas().map(Arena::buffer)
     }
 

@@ -1,6 +1,8 @@
 //! Shorthands for what every stage creates, with the labels of the crate.
 
 use crate::Error;
+use crate::batch::MOST_ITEMS;
+use crate::view::SLOT;
 
 /// Label of an object of the library.
 fn label(what: &str) -> String {
@@ -43,40 +45,59 @@ pub(crate) fn dynamic(buffer: &wgpu::Buffer, size: u64) -> wgpu::BindingResource
 pub(crate) enum Binding {
     /// Uniform with an offset given when the group is set.
     Uniform,
-    /// Storage, written by the shader, with an offset given when the group is set.
-    Counters,
     /// Storage that the shader reads.
     Read,
     /// Storage that the shader writes.
     Write,
 }
 
-/// Layout with bindings 0, 1, ... all for the stages `visibility`.
+/// Layout with buffers as bindings 0, 1, ... all for the stages `visibility`.
 pub(crate) fn layout(
     device: &wgpu::Device,
     what: &str,
     visibility: wgpu::ShaderStages,
     bindings: &[Binding],
 ) -> wgpu::BindGroupLayout {
-    let entries: Vec<wgpu::BindGroupLayoutEntry> = bindings
+    let types: Vec<wgpu::BindingType> = bindings
         .iter()
-        .enumerate()
-        .map(|(binding, kind)| wgpu::BindGroupLayoutEntry {
-            binding: binding as u32,
-            visibility,
-            ty: wgpu::BindingType::Buffer {
-                ty: match kind {
-                    Binding::Uniform => wgpu::BufferBindingType::Uniform,
-                    Binding::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                    Binding::Counters | Binding::Write => wgpu::BufferBindingType::Storage { read_only: false },
-                },
-                has_dynamic_offset: matches!(kind, Binding::Uniform | Binding::Counters),
-                min_binding_size: None,
+        .map(|kind| wgpu::BindingType::Buffer {
+            ty: match kind {
+                Binding::Uniform => wgpu::BufferBindingType::Uniform,
+                Binding::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                Binding::Write => wgpu::BufferBindingType::Storage { read_only: false },
             },
-            count: None,
+            has_dynamic_offset: matches!(kind, Binding::Uniform),
+            min_binding_size: None,
         })
         .collect();
+    layout_of(device, what, visibility, &types)
+}
+
+/// Layout with bindings 0, 1, ... of any type, all for the stages `visibility`.
+pub(crate) fn layout_of(
+    device: &wgpu::Device,
+    what: &str,
+    visibility: wgpu::ShaderStages,
+    types: &[wgpu::BindingType],
+) -> wgpu::BindGroupLayout {
+    let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)
+        .zip(types)
+        .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None })
+        .collect();
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&label(what)), entries: &entries })
+}
+
+/// Group of a batch's views, and of buffers after them.
+pub(crate) fn bind_after_views(
+    device: &wgpu::Device,
+    what: &str,
+    layout: &wgpu::BindGroupLayout,
+    views: &wgpu::Buffer,
+    buffers: &[&wgpu::Buffer],
+) -> wgpu::BindGroup {
+    let mut resources = vec![dynamic(views, u64::from(MOST_ITEMS) * SLOT)];
+    resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
+    bind_group(device, what, layout, &resources)
 }
 
 pub(crate) fn pipeline_layout(
@@ -92,15 +113,15 @@ pub(crate) fn pipeline_layout(
     })
 }
 
-/// Pipeline of the entry point `what` of a module, with a layout or, without one, that of the shader.
+/// Pipeline of the entry point `what` of a module, with the layouts of its groups or, without any, those of the shader.
 pub(crate) fn compute_pipeline(
     device: &wgpu::Device,
     what: &str,
     module: &wgpu::ShaderModule,
-    layout: Option<&wgpu::BindGroupLayout>,
+    groups: &[&wgpu::BindGroupLayout],
     constants: &[(&str, f64)],
 ) -> wgpu::ComputePipeline {
-    let layout = layout.map(|group| pipeline_layout(device, what, &[group]));
+    let layout = (!groups.is_empty()).then(|| pipeline_layout(device, what, groups));
     device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(&label(what)),
         layout: layout.as_ref(),
@@ -140,7 +161,56 @@ pub(crate) fn check(device: &wgpu::Device) -> Result<(), Error> {
     probe.get_mapped_range(..).map(|_| ()).map_err(|_| Error::DeviceLost)
 }
 
-/// Whether the device runs on the CPU.
-pub(crate) fn is_software(device: &wgpu::Device) -> bool {
-    device.adapter_info().device_type == wgpu::DeviceType::Cpu
+/// How the stages share their work out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Workgroups {
+    /// A thread for each triangle of a chunk and each quad of a tile.
+    Gpu,
+    /// Few threads with much to do, for devices in software: there a barrier costs a microsecond for every eight threads.
+    Software,
+}
+
+impl Workgroups {
+    /// Those that suit a device.
+    #[must_use]
+    pub fn of(device: &wgpu::Device) -> Self {
+        match device.adapter_info().device_type {
+            wgpu::DeviceType::Cpu => Self::Software,
+            _ => Self::Gpu,
+        }
+    }
+
+    fn choose(self, gpu: u32, software: u32) -> u32 {
+        if self == Self::Gpu { gpu } else { software }
+    }
+
+    /// Threads of a workgroup that goes through a chunk.
+    pub(crate) fn chunk_threads(self) -> u32 {
+        self.choose(256, 8)
+    }
+
+    /// Workgroups that chunks are shared out among. In software so many that none takes more than some dozen: llvmpipe ends
+    /// the loops of an invocation after 65,535 rounds in all.
+    pub(crate) fn most_groups(self) -> u32 {
+        self.choose(8192, 1024)
+    }
+
+    /// Bands of rows that what is drawn late is shared out in, for the same reason.
+    pub(crate) fn bands(self) -> u32 {
+        self.choose(1, 8)
+    }
+
+    /// Workgroups of the binning.
+    pub(crate) fn bin_groups(self) -> u32 {
+        self.choose(4096, 64)
+    }
+
+    /// Quads of a tile that a thread takes.
+    pub(crate) fn quads(self) -> u32 {
+        self.choose(1, 8)
+    }
+
+    pub(crate) fn has_cheap_barriers(self) -> bool {
+        self == Self::Gpu
+    }
 }

@@ -66,15 +66,15 @@
 
 mod arena;
 mod batch;
+mod bin;
 mod casters;
 mod chunks;
 #[cfg(feature = "compare")]
 pub mod compare;
 mod cone;
+mod cull;
 mod custom;
 mod deform;
-mod demand;
-mod depth;
 mod error;
 mod filter;
 mod gpu;
@@ -82,17 +82,17 @@ mod light;
 mod lookup;
 mod maps;
 mod mask;
-mod masked;
 pub mod paraboloid;
 mod ranges;
-mod route;
+mod rasterise;
+mod resolve;
 mod schedule;
 mod shadows;
 mod slots;
-mod split;
 mod transform;
 mod view;
 pub mod wgsl;
+mod workspace;
 
 pub use casters::{CasterMesh, Casters, Indices, InstanceId, MeshId, Sides};
 pub use custom::CasterPass;
@@ -102,5 +102,7 @@ pub use filter::Filter;
 pub use light::{Coverage, PointLight};
 pub use mask::Mask;
 #[cfg(feature = "compare")]
-pub use shadows::Stage;
+pub use gpu::Workgroups;
+#[cfg(feature = "compare")]
+pub use shadows::{Stage, Tuning};
 pub use shadows::{LightId, PointShadows, PointShadowsDescriptor, RecordOptions};

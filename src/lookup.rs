@@ -5,7 +5,7 @@ use crate::filter::FilterRecord;
 use crate::gpu;
 use crate::light::PointLight;
 use crate::view::{MapShape, axes, hemispheres};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// A light as the lookup reads it; twin of `DpLight`.
 #[repr(C)]
@@ -19,7 +19,10 @@ struct LightRecord {
     texels: f32,
     position: Vec3,
     hemispheres: u32,
-    tolerance: f32,
+    origin: Vec2,
+    resolution: f32,
+    layer: u32,
+    normal_bias: f32,
     filtering: FilterRecord,
 }
 
@@ -34,7 +37,7 @@ pub(crate) struct Lookup {
 }
 
 impl Lookup {
-    /// For the layers of `maps`, one a light.
+    /// For the layers of `maps`, depths, one a light.
     pub(crate) fn new(device: &wgpu::Device, maps: &wgpu::Texture) -> Self {
         let layout = layout(device);
         let records = vec![bytemuck::Zeroable::zeroed(); maps.depth_or_array_layers() as usize];
@@ -67,11 +70,18 @@ impl Lookup {
     }
 
     /// Describes the light of a layer, or that there is none any more.
-    pub(crate) fn set(&mut self, layer: u32, light: Option<&PointLight>, shape: &MapShape) {
-        let record = light.map_or(bytemuck::Zeroable::zeroed(), |light| LightRecord::new(light, shape));
+    pub(crate) fn set(&mut self, layer: u32, light: Option<&PointLight>, shape: &MapShape, normal_bias: f32) {
+        let record =
+            light.map_or(bytemuck::Zeroable::zeroed(), |light| LightRecord::new(light, shape, layer, normal_bias));
         let place = &mut self.records[layer as usize];
         self.changed |= *place != record;
         *place = record;
+    }
+
+    /// Changes the filter of a layer's light.
+    pub(crate) fn set_filter(&mut self, layer: u32, light: &PointLight) {
+        self.records[layer as usize].filtering = light.filter.record();
+        self.changed = true;
     }
 
     /// Brings the GPU's copy up to date, in one write.
@@ -87,7 +97,7 @@ impl Lookup {
 }
 
 impl LightRecord {
-    fn new(light: &PointLight, shape: &MapShape) -> Self {
+    fn new(light: &PointLight, shape: &MapShape, layer: u32, normal_bias: f32) -> Self {
         let [right, up, forward] = axes(light.orientation);
         Self {
             right,
@@ -98,7 +108,10 @@ impl LightRecord {
             texels: shape.texels(),
             position: light.position,
             hemispheres: hemispheres(light.coverage),
-            tolerance: shape.depth_tolerance(),
+            origin: Vec2::ZERO,
+            resolution: shape.resolution as f32,
+            layer,
+            normal_bias,
             filtering: light.filter.record(),
         }
     }
@@ -112,7 +125,7 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         count: None,
     };
     let maps = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Depth,
+        sample_type: wgpu::TextureSampleType::Float { filterable: false },
         view_dimension: wgpu::TextureViewDimension::D2Array,
         multisampled: false,
     };

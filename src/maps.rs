@@ -1,6 +1,12 @@
-//! The lights' maps: one layer a light, and a second one for its static casters where those are kept.
+//! The lights' maps: one layer a light of depths and of triangles' numbers, and a second one for its static casters where
+//! those are kept.
 
-/// Depth textures with a layer for each light.
+/// Format of the depths, `near / w`.
+pub(crate) const DEPTHS: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+/// Format of the numbers of triangles.
+pub(crate) const NUMBERS: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+
+/// Textures with a layer for each light.
 #[derive(Debug)]
 pub(crate) struct Maps {
     live: Layers,
@@ -8,7 +14,7 @@ pub(crate) struct Maps {
     kept: Option<Layers>,
 }
 
-/// Which of a light's maps is drawn to.
+/// Which of a light's maps is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Target {
     /// The one that is looked up.
@@ -19,21 +25,24 @@ pub(crate) enum Target {
 
 #[derive(Debug)]
 struct Layers {
-    texture: wgpu::Texture,
-    views: Vec<wgpu::TextureView>,
+    textures: [wgpu::Texture; 2],
+    views: [wgpu::TextureView; 2],
 }
 
 impl Maps {
     pub(crate) fn new(device: &wgpu::Device, capacity: u32, resolution: u32, keep_static: bool) -> Self {
-        let live_usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
-        let live_usage = if keep_static { live_usage | wgpu::TextureUsages::COPY_DST } else { live_usage };
-        let kept = || Layers::new(device, "static maps", capacity, resolution, wgpu::TextureUsages::COPY_SRC);
-        Self { live: Layers::new(device, "maps", capacity, resolution, live_usage), kept: keep_static.then(kept) }
+        let layers = |what| Layers::new(device, what, [2 * resolution, resolution, capacity]);
+        Self { live: layers("maps"), kept: keep_static.then(|| layers("static maps")) }
     }
 
-    /// The texture that is looked up.
-    pub(crate) fn live(&self) -> &wgpu::Texture {
-        &self.live.texture
+    /// The depths that are looked up.
+    pub(crate) fn depths(&self) -> &wgpu::Texture {
+        &self.live.textures[0]
+    }
+
+    /// The numbers of the triangles whose depths they are.
+    pub(crate) fn numbers(&self) -> &wgpu::Texture {
+        &self.live.textures[1]
     }
 
     /// Whether static casters have maps of their own.
@@ -41,60 +50,60 @@ impl Maps {
         self.kept.is_some()
     }
 
-    pub(crate) fn layer(&self, target: Target, layer: u32) -> &wgpu::TextureView {
-        let layers = match (target, &self.kept) {
-            (Target::Static, Some(kept)) => kept,
-            _ => &self.live,
-        };
-        &layers.views[layer as usize]
-    }
-
-    /// Makes a light's map that of its static casters.
-    pub(crate) fn copy_static(&self, encoder: &mut wgpu::CommandEncoder, layer: u32) {
-        let Some(kept) = &self.kept else { return };
-        let at = |texture| wgpu::TexelCopyTextureInfo {
-            texture,
-            mip_level: 0,
-            origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
-            aspect: wgpu::TextureAspect::All,
-        };
-        let size = wgpu::Extent3d { depth_or_array_layers: 1, ..kept.texture.size() };
-        encoder.copy_texture_to_texture(at(&kept.texture), at(&self.live.texture), size);
+    /// Depths and numbers of all layers.
+    pub(crate) fn views(&self, target: Target) -> [&wgpu::TextureView; 2] {
+        match (target, &self.kept) {
+            (Target::Static, Some(kept)) => kept.views.each_ref(),
+            _ => self.live.views.each_ref(),
+        }
     }
 
     /// Bytes of all layers.
     pub(crate) fn memory(&self) -> u64 {
-        [Some(&self.live), self.kept.as_ref()].into_iter().flatten().map(Layers::memory).sum()
+        let layers = [Some(&self.live), self.kept.as_ref()];
+        layers.into_iter().flatten().flat_map(|layers| &layers.textures).map(bytes).sum()
     }
 }
 
 impl Layers {
-    fn new(device: &wgpu::Device, what: &str, count: u32, resolution: u32, usage: wgpu::TextureUsages) -> Self {
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(&format!("dual_paraboloid::{what}")),
-            size: wgpu::Extent3d { width: 2 * resolution, height: resolution, depth_or_array_layers: count },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Depth32Float,
-            usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        });
-        let view = |layer| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                label: Some("dual_paraboloid::depth::layer"),
-                dimension: Some(wgpu::TextureViewDimension::D2),
-                base_array_layer: layer,
-                array_layer_count: Some(1),
-                ..Default::default()
-            })
-        };
-        let views = (0..count).map(view).collect();
-        Self { texture, views }
+    fn new(device: &wgpu::Device, what: &str, size: [u32; 3]) -> Self {
+        use wgpu::TextureUsages as Usage;
+        let usage = Usage::TEXTURE_BINDING | Usage::STORAGE_BINDING | Usage::COPY_SRC;
+        let textures = [DEPTHS, NUMBERS].map(|format| texture(device, what, size, format, usage));
+        Self { views: textures.each_ref().map(array_view), textures }
     }
+}
 
-    fn memory(&self) -> u64 {
-        let size = self.texture.size();
-        4 * u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers)
-    }
+/// A texture of width, height and layers.
+pub(crate) fn texture(
+    device: &wgpu::Device,
+    what: &str,
+    [width, height, depth_or_array_layers]: [u32; 3],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(&format!("dual_paraboloid::{what}")),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+/// All layers of a texture.
+pub(crate) fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        label: Some("dual_paraboloid::maps::layers"),
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
+}
+
+/// Bytes of a texture of four bytes a texel.
+pub(crate) fn bytes(texture: &wgpu::Texture) -> u64 {
+    4 * u64::from(texture.width()) * u64::from(texture.height()) * u64::from(texture.depth_or_array_layers())
 }

@@ -92,6 +92,8 @@ struct MaskRecord {
     address_modes: u32,
 }
 
+const RECORD_WORDS: u32 = (size_of::<MaskRecord>() / 4) as u32;
+
 /// What the masks keep of a mesh.
 #[derive(Debug)]
 pub(crate) struct MaskedMesh {
@@ -111,11 +113,10 @@ struct AlphaCopy {
 #[derive(Debug)]
 pub(crate) struct Masks {
     vertices: Arena,
-    records: Arena,
-    alphas: Arena,
+    /// Records, of four words each, and alphas.
+    words: Arena,
     vertex_ranges: Ranges,
-    record_ranges: Ranges,
-    alpha_ranges: Ranges,
+    word_ranges: Ranges,
     copies: HashMap<wgpu::Texture, AlphaCopy>,
     /// Textures that aren't copied yet.
     waiting: Vec<wgpu::Texture>,
@@ -127,27 +128,25 @@ impl Masks {
         let arena = |what, stride| Arena::new(device, what, stride, wgpu::BufferUsages::STORAGE);
         Self {
             vertices: arena("mask vertices", size_of::<MaskVertex>() as u64),
-            records: arena("masks", size_of::<MaskRecord>() as u64),
-            alphas: arena("mask alphas", 4),
+            words: arena("masks", 4),
             vertex_ranges: Ranges::default(),
-            record_ranges: Ranges::default(),
-            alpha_ranges: Ranges::default(),
+            word_ranges: Ranges::default(),
             copies: HashMap::new(),
             waiting: Vec::new(),
             pipeline: None,
         }
     }
 
-    pub(crate) fn arenas(&self) -> [&Arena; 3] {
-        [&self.vertices, &self.records, &self.alphas]
+    pub(crate) fn arenas(&self) -> [&Arena; 2] {
+        [&self.vertices, &self.words]
     }
 
     /// Whether there is room for a mesh of so many vertices with this mask.
     pub(crate) fn check(&self, mask: &Mask, vertices: u32) -> Result<(), Error> {
         self.vertices.check(self.vertex_ranges.end_after(vertices))?;
-        self.records.check(self.record_ranges.end_after(1))?;
         let shared = self.copies.contains_key(mask.texture);
-        self.alphas.check(if shared { 0 } else { self.alpha_ranges.end_after(words(mask.texture)) })
+        let alphas = if shared { 0 } else { words(mask.texture) };
+        self.words.check(self.word_ranges.end_after(alphas) + u64::from(RECORD_WORDS))
     }
 
     /// Adds a mask with the coordinates of a mesh's vertices, and has each vertex say where its own are.
@@ -155,7 +154,7 @@ impl Masks {
         let texture = mask.texture;
         let copy = self.copies.entry(texture.clone()).or_insert_with(|| {
             self.waiting.push(texture.clone());
-            AlphaCopy { first: self.alpha_ranges.allocate(words(texture)), meshes: 0 }
+            AlphaCopy { first: self.word_ranges.allocate(words(texture)), meshes: 0 }
         });
         copy.meshes += 1;
         let mode = |mode| match mode {
@@ -163,14 +162,14 @@ impl Masks {
             wgpu::AddressMode::MirrorRepeat => 2,
             wgpu::AddressMode::ClampToEdge | wgpu::AddressMode::ClampToBorder => 0,
         };
-        let record = self.record_ranges.allocate(1);
+        let record = self.word_ranges.allocate(RECORD_WORDS);
         let contents = MaskRecord {
             first: copy.first,
             size: texture.width() | texture.height() << 16,
             cutoff: Mask::byte_cutoff(mask.cutoff),
             address_modes: mode(mask.address_modes[0]) | mode(mask.address_modes[1]) << 2,
         };
-        self.records.write(record, bytemuck::bytes_of(&contents));
+        self.words.write(record, bytemuck::bytes_of(&contents));
         let count = vertices.len() as u32;
         let first = self.vertex_ranges.allocate(count);
         let numbered = vertices.iter_mut().zip(coordinates).zip(first..);
@@ -185,12 +184,12 @@ impl Masks {
     }
 
     pub(crate) fn remove(&mut self, mesh: &MaskedMesh) {
-        self.record_ranges.release(mesh.record, 1);
+        self.word_ranges.release(mesh.record, RECORD_WORDS);
         self.vertex_ranges.release(mesh.vertices.start, mesh.vertices.len() as u32);
         let Some(copy) = self.copies.get_mut(&mesh.texture) else { return };
         copy.meshes -= 1;
         if copy.meshes == 0 {
-            self.alpha_ranges.release(copy.first, words(&mesh.texture));
+            self.word_ranges.release(copy.first, words(&mesh.texture));
             self.copies.remove(&mesh.texture);
         }
     }
@@ -198,19 +197,18 @@ impl Masks {
     /// Brings the GPU's copy up to date.
     pub(crate) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
         self.vertices.update(device, queue, encoder, self.vertex_ranges.end());
-        self.records.update(device, queue, encoder, self.record_ranges.end());
-        self.alphas.update(device, queue, encoder, self.alpha_ranges.end());
+        self.words.update(device, queue, encoder, self.word_ranges.end());
         for texture in std::mem::take(&mut self.waiting) {
             let Some(copy) = self.copies.get(&texture) else { continue };
             let pipeline = self.pipeline.get_or_insert_with(|| copy_pipeline(device));
-            record_copy(device, encoder, pipeline, &texture, self.alphas.buffer(), copy.first);
+            record_copy(device, encoder, pipeline, &texture, self.words.buffer(), copy.first);
         }
     }
 }
 
 /// Layout of what `shaders/mask.wgsl` reads.
 pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    gpu::layout(device, "masks", wgpu::ShaderStages::VERTEX_FRAGMENT, &[Binding::Read; 3])
+    gpu::layout(device, "masks", wgpu::ShaderStages::COMPUTE, &[Binding::Read; 2])
 }
 
 /// Words that a texture's alphas take; rows begin with a word of their own.
@@ -219,7 +217,7 @@ fn words(texture: &wgpu::Texture) -> u32 {
 }
 
 fn copy_pipeline(device: &wgpu::Device) -> wgpu::ComputePipeline {
-    gpu::compute_pipeline(device, "mask_copy", &gpu::shader(device, "mask_copy", crate::wgsl::mask_copy()), None, &[])
+    gpu::compute_pipeline(device, "mask_copy", &gpu::shader(device, "mask_copy", crate::wgsl::mask_copy()), &[], &[])
 }
 
 fn record_copy(

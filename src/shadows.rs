@@ -1,35 +1,31 @@
 //! The lights' maps: which are stale, and the order in which their stages are recorded.
 
 use crate::Error;
-use crate::batch::{self, Job, MASKED, MOST_JOBS, MOVING, OPAQUE, STATIC};
+use crate::batch::{Item, MASKED, MOST_ITEMS, MOVING, START_CUSTOM, START_STATIC, STATIC, Share};
+use crate::bin::Bin;
 use crate::casters::Casters;
-use crate::custom::CasterPass;
-use crate::demand::Demand;
-use crate::depth::{Depth, Sources};
-use crate::gpu;
+use crate::cull::Cull;
+use crate::custom::{CasterPass, Custom};
+use crate::gpu::{self, Workgroups};
 use crate::light::PointLight;
 use crate::lookup::Lookup;
 use crate::maps::{Maps, Target};
-use crate::masked;
-use crate::route::Route;
+use crate::rasterise::Rasterise;
+use crate::resolve::Resolve;
 use crate::schedule::{self, Due, Light, Stale};
 use crate::slots::{Handle, Slots};
-use crate::split::Split;
-use crate::view::{Arguments, MapShape, SLOT, View};
+use crate::view::{MapShape, SLOT, View};
+use crate::workspace::Workspace;
 use std::ops::Range;
 
 /// How [`PointShadows`] are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointShadowsDescriptor {
-    /// Most lights at a time: layers of the depth texture.
+    /// Most lights at a time: layers of the maps' textures.
     pub capacity: u32,
-    /// Texels across one hemisphere's map. A light takes `2 * resolution * resolution` texels of four bytes.
+    /// Texels across one hemisphere's map. A light takes `2 * resolution * resolution` texels of eight bytes. At most 4096.
     /// For the texel count of a cube with faces of C texels across, take `sqrt(3) C`.
     pub resolution: u32,
-    /// How far depth may be off, in texel footprints along a surface's normal: by 4/3 of this at most away from the light,
-    /// and by half of this toward it. Edges miss their true place in the map by two fifths of it, in texels. Half of it
-    /// means up to twice as many pieces of large triangles. In [0.01, 1]; on maps smaller than 60 texels less is used.
-    pub tolerance: f32,
     /// Width of the guard band around each hemisphere, in texels: lookups near the seam find all their texels in
     /// their own map. In [1, 16]; a sixteenth of the resolution at most is used.
     pub guard: f32,
@@ -40,9 +36,9 @@ pub struct PointShadowsDescriptor {
 }
 
 impl Default for PointShadowsDescriptor {
-    /// Four lights of 1024 texels across, to a tenth of a texel, with a guard band of four texels, and one map each.
+    /// Four lights of 1024 texels across, with a guard band of four texels, and one map each.
     fn default() -> Self {
-        Self { capacity: 4, resolution: 1024, tolerance: 0.1, guard: 4.0, keep_static: false }
+        Self { capacity: 4, resolution: 1024, guard: 4.0, keep_static: false }
     }
 }
 
@@ -59,6 +55,15 @@ impl LightId {
     }
 }
 
+/// Bias of the lookup along a surface's normal, in texel footprints: for curvature finer than a texel.
+const NORMAL_BIAS: f32 = 0.025;
+
+/// Widest map: its tiles are numbered by bytes, and its texels' buffer has 128 MiB.
+const MOST_RESOLUTION: u32 = 4096;
+
+/// Entries of a tile's list of large triangles.
+const ROOM: u32 = 128;
+
 /// Depth maps of point lights, kept up to date with the casters.
 #[derive(Debug)]
 pub struct PointShadows {
@@ -71,16 +76,13 @@ pub struct PointShadows {
     seen: Option<(u32, u64)>,
     maps: Maps,
     lookup: Lookup,
-    route: Route,
-    split: Split,
-    depth: Depth,
+    cull: Cull,
+    resolve: Resolve,
+    bin: Bin,
+    rasterise: Rasterise,
+    custom: Custom,
+    workspace: Workspace,
     views: wgpu::Buffer,
-    arguments: wgpu::Buffer,
-    demand: Demand,
-    /// Pieces that a hemisphere wanted at most, as far as it is known.
-    wanted: u32,
-    /// Jobs of the last recording that made a map.
-    jobs: usize,
     groups: Option<Groups>,
     /// The last stage that is recorded.
     until: Stage,
@@ -90,13 +92,36 @@ pub struct PointShadows {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[cfg_attr(not(feature = "compare"), expect(dead_code, reason = "only measurements stop before the last stage"))]
 pub enum Stage {
-    /// Which triangles each hemisphere draws or splits.
-    Route,
-    /// From triangles that would bend to pieces.
-    Split,
-    /// The render pass.
+    /// Leaving out, drawing what is small, recording what is large, and numbering.
+    Cull,
+    /// Which tiles large triangles touch.
+    Bin,
+    /// From tiles to maps.
     #[default]
-    Depth,
+    Rasterise,
+}
+
+/// How a test has the stages work.
+#[derive(Debug, Clone, Copy)]
+pub struct Tuning {
+    /// Leaves out triangles that face away in closed pieces.
+    pub reject: bool,
+    /// How the work is shared out.
+    pub workgroups: Workgroups,
+    /// Texels along a side of the largest box of a triangle that is drawn at once.
+    pub small: Option<u32>,
+    /// Entries of a tile's list of large triangles.
+    pub room: u32,
+    /// Records of large triangles at most; without a number, enough for nearly all scenes.
+    pub records: Option<u32>,
+}
+
+impl Tuning {
+    /// As it is best for a device.
+    #[must_use]
+    pub fn of(device: &wgpu::Device) -> Self {
+        Self { reject: true, workgroups: Workgroups::of(device), small: None, room: ROOM, records: None }
+    }
 }
 
 /// What [`PointShadows::record_with`] may do beside what [`PointShadows::record`] does.
@@ -111,27 +136,16 @@ pub struct RecordOptions<'a> {
     pub draw: Option<&'a mut dyn FnMut(&mut CasterPass)>,
 }
 
-/// A map that is drawn in one go, or as many as there are stretches of chunks.
-struct Pass {
-    /// Number of the light among those of the recording.
-    number: u32,
-    layer: u32,
-    light: PointLight,
-    target: Target,
-    /// Drawn over a copy of the map of the static casters.
-    over_static: bool,
-    jobs: Range<u32>,
-}
-
-/// Bind groups over the casters' buffers, and of which casters, masked ones among them or not.
+/// Bind groups over the casters' buffers, and of which casters.
 #[derive(Debug)]
 struct Groups {
-    key: (u32, u64, bool),
-    route: wgpu::BindGroup,
-    split: wgpu::BindGroup,
-    exact: wgpu::BindGroup,
-    /// If there are masked casters.
-    masked: Option<masked::Groups>,
+    key: (u32, u64),
+    cull: wgpu::BindGroup,
+    resolve: [wgpu::BindGroup; 2],
+    bin: wgpu::BindGroup,
+    /// For the maps of static casters, if those are kept.
+    rasterise_static: Option<wgpu::BindGroup>,
+    rasterise_live: wgpu::BindGroup,
 }
 
 impl PointShadows {
@@ -141,47 +155,57 @@ impl PointShadows {
     /// [`Error::InvalidDescriptor`] for a value out of range or more than the device's limits allow, or
     /// [`Error::DeviceLost`].
     pub fn new(device: &wgpu::Device, descriptor: &PointShadowsDescriptor) -> Result<Self, Error> {
-        Self::with_rejection(device, descriptor, true)
+        Self::with_tuning(device, descriptor, &Tuning::of(device))
     }
 
     /// [`Self::new`] with maps from every triangle, even of those that can't change them: what the tests hold the
-    /// route against.
+    /// culling against.
     ///
     /// # Errors
     /// As [`Self::new`].
     #[cfg(feature = "compare")]
     pub fn new_unrouted(device: &wgpu::Device, descriptor: &PointShadowsDescriptor) -> Result<Self, Error> {
-        Self::with_rejection(device, descriptor, false)
+        Self::tuned(device, descriptor, &Tuning { reject: false, ..Tuning::of(device) })
     }
 
-    fn with_rejection(device: &wgpu::Device, descriptor: &PointShadowsDescriptor, reject: bool) -> Result<Self, Error> {
+    /// [`Self::new`] with the stages set to work otherwise.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    #[cfg(feature = "compare")]
+    pub fn tuned(device: &wgpu::Device, descriptor: &PointShadowsDescriptor, tuning: &Tuning) -> Result<Self, Error> {
+        Self::with_tuning(device, descriptor, tuning)
+    }
+
+    fn with_tuning(device: &wgpu::Device, descriptor: &PointShadowsDescriptor, tuning: &Tuning) -> Result<Self, Error> {
         validate(descriptor, &device.limits())?;
         gpu::check(device)?;
-        let PointShadowsDescriptor { capacity, resolution, tolerance, guard, keep_static } = *descriptor;
-        let shape = MapShape::new(resolution, guard, tolerance);
+        let PointShadowsDescriptor { capacity, resolution, guard, keep_static } = *descriptor;
+        let Tuning { reject, workgroups, small, room, records } = *tuning;
+        let shape = MapShape::new(resolution, guard);
         let maps = Maps::new(device, capacity, resolution, keep_static);
+        let share = Share { tiles: 2 * shape.tiles() * shape.tiles(), records: 64, jobs: 64, bits: 32, overflows: false };
         Ok(Self {
             shape,
             capacity,
             lights: Slots::new("light", "PointShadows"),
             removed: Vec::new(),
             seen: None,
-            lookup: Lookup::new(device, maps.live()),
+            lookup: Lookup::new(device, maps.depths()),
             maps,
-            route: Route::new(device, reject),
-            split: Split::new(device, reject),
-            depth: Depth::new(device, capacity),
-            views: job_buffer(device, "views", capacity, wgpu::BufferUsages::UNIFORM),
-            arguments: argument_buffer(device, capacity),
-            demand: Demand::new(device, capacity),
-            wanted: 0,
-            jobs: 0,
+            cull: Cull::new(device, workgroups, reject, small),
+            resolve: Resolve::new(device, workgroups),
+            bin: Bin::new(device, workgroups, room),
+            rasterise: Rasterise::new(device, workgroups, room),
+            custom: Custom::new(device, capacity),
+            workspace: Workspace::new(device, share, room, records, 1, MOST_ITEMS),
+            views: view_buffer(device, capacity),
             groups: None,
             until: Stage::default(),
         })
     }
 
-    /// Records the stages up to this one only, to see what each takes. The maps are right with [`Stage::Depth`] alone.
+    /// Records the stages up to this one only, to see what each takes. The maps are right with [`Stage::Rasterise`] alone.
     #[cfg(feature = "compare")]
     pub fn stop_after(&mut self, stage: Stage) {
         self.until = stage;
@@ -264,33 +288,24 @@ impl PointShadows {
         gpu::check(device)?;
         casters.update(device, queue, encoder);
         self.mark_touched(casters);
-        self.read_demand();
         let RecordOptions { most, draw } = options;
         let due = schedule::take(&mut self.lights, most);
+        // What the hardware draws has straight edges.
+        let bias = NORMAL_BIAS.max(if draw.is_some() { MapShape::chord_bias() } else { 0.0 });
         for layer in std::mem::take(&mut self.removed) {
-            self.lookup.set(layer, None, &self.shape);
+            self.lookup.set(layer, None, &self.shape, bias);
         }
         for Due { layer, light, .. } in &due {
-            self.lookup.set(*layer, Some(light), &self.shape);
+            self.lookup.set(*layer, Some(light), &self.shape, bias);
         }
         for (layer, light) in schedule::take_refiltered(&mut self.lights) {
-            self.lookup.set(layer, Some(&light), &self.shape);
+            self.lookup.set_filter(layer, &light);
         }
         self.lookup.write(queue);
         if !due.is_empty() {
             self.record_lights(device, queue, encoder, casters, &due, draw);
-            self.demand.record(encoder, &self.arguments, self.jobs);
         }
         Ok(due.len() as u32)
-    }
-
-    /// If pieces found no room in an earlier recording, sees to it that they do now.
-    fn read_demand(&mut self) {
-        let Some(wanted) = self.demand.take() else { return };
-        self.wanted = self.wanted.max(wanted);
-        if wanted > self.split.capacity() {
-            self.lights.iter_mut().for_each(|(_, entry)| entry.outdate());
-        }
     }
 
     /// Marks the lights that a change of the casters has reached.
@@ -324,146 +339,108 @@ impl PointShadows {
         due: &[Due],
         mut draw: Option<&mut dyn FnMut(&mut CasterPass)>,
     ) {
-        let (passes, jobs) = self.plan(casters, due);
-        let lights = self.lights.count();
-        let has_masked = casters.triangles_of(MASKED) > 0;
-        let jobs_at_once = if has_masked { 2 * lights } else { lights };
-        let replaced =
-            self.route.fit(device, casters, lights) | self.split.fit(device, &self.shape, self.wanted, jobs_at_once);
-        let batches = batch::pack(&jobs, self.split.jobs(), self.route.capacity());
-        self.write_jobs(device, queue, &jobs, &batches);
-        let key = (casters.owner(), casters.generation(), has_masked);
+        let (first_live, items) = self.plan(due, draw.is_some());
+        let count = items.len() as u32;
+        let share = Share::new(&self.shape, casters);
+        let mut replaced = self.workspace.fit(device, share, self.lights.count(), count);
+        let in_batch = self.workspace.items();
+        if draw.is_some() {
+            let lights: Vec<PointLight> = due.iter().map(|due| due.light).collect();
+            replaced |= self.custom.prepare(device, queue, &lights, &self.shape, in_batch);
+        }
+        let batches = batches(first_live, count, in_batch);
+        replaced |= self.write_views(device, queue, casters, &items, &batches);
+        let key = (casters.owner(), casters.generation());
         if replaced || self.groups.as_ref().is_none_or(|groups| groups.key != key) {
             self.groups = Some(self.bind(device, casters, key));
         }
+        self.workspace.clear_counters(encoder, count);
+        for batch in batches {
+            if let Some(draw) = draw.as_deref_mut().filter(|_| batch.start >= first_live) {
+                for (layer, number) in (0..).zip(batch.clone()) {
+                    let light = &items[number as usize].light;
+                    self.custom.record(encoder, layer, &self.shape, light, number - first_live, draw);
+                }
+            }
+            let target = if batch.start < first_live { Target::Static } else { Target::Live };
+            self.record_batch(encoder, casters, batch, target);
+        }
+        if self.until < Stage::Rasterise {
+            self.workspace.clear(encoder);
+        }
+    }
+
+    /// What is made: first the maps of static casters, then, from the number that is returned, those that are looked up.
+    fn plan(&self, due: &[Due], draws: bool) -> (u32, Vec<Item>) {
+        let item = |due: &Due, kinds, start| Item { light: due.light, layer: due.layer, kinds, start };
+        let custom = if draws { START_CUSTOM } else { 0 };
+        if !self.maps.keep_static() {
+            return (0, due.iter().map(|due| item(due, STATIC | MOVING, custom)).collect());
+        }
+        let all_stale = due.iter().filter(|due| due.stale == Stale::Everything);
+        let mut items: Vec<Item> = all_stale.map(|due| item(due, STATIC, 0)).collect();
+        let first_live = items.len() as u32;
+        items.extend(due.iter().map(|due| item(due, MOVING, START_STATIC | custom)));
+        (first_live, items)
+    }
+
+    fn record_batch(&self, encoder: &mut wgpu::CommandEncoder, casters: &Casters, batch: Range<u32>, target: Target) {
         let Some(groups) = &self.groups else { return };
-        let lights: Vec<PointLight> = due.iter().map(|due| due.light).collect();
-        self.depth.write_views(queue, &lights, &self.shape);
-        let mut batches = batches.into_iter();
-        let mut chosen = 0;
-        for pass in &passes {
-            let layer = self.maps.layer(pass.target, pass.layer);
-            if pass.over_static && self.until >= Stage::Depth {
-                self.maps.copy_static(encoder, pass.layer);
-            }
-            // In one go, unless its jobs are of several batches.
-            let (mut clear, mut next) = (!pass.over_static, pass.jobs.start);
-            while clear || next < pass.jobs.end {
-                if next == chosen
-                    && next < pass.jobs.end
-                    && let Some(batch) = batches.next()
-                {
-                    self.record_batch(encoder, groups, batch.clone(), &jobs);
-                    chosen = batch.end;
-                }
-                let drawn = next..pass.jobs.end.min(chosen);
-                if self.until >= Stage::Depth {
-                    self.record_draws(encoder, layer, casters, groups, pass.number, drawn.clone(), &jobs, clear);
-                }
-                (clear, next) = (false, drawn.end);
-            }
-            if let (Target::Live, Stage::Depth, Some(draw)) = (pass.target, self.until, draw.as_deref_mut()) {
-                self.depth.record_custom(encoder, layer, &self.shape, &pass.light, pass.number, draw);
-            }
-        }
-    }
-
-    /// The passes that make the maps, and their jobs.
-    fn plan(&self, casters: &Casters, due: &[Due]) -> (Vec<Pass>, Vec<Job>) {
-        let (mut passes, mut jobs) = (Vec::new(), Vec::new());
-        let mut add = |number, due: &Due, target, kinds, over_static| {
-            let Due { layer, light, .. } = *due;
-            let first = jobs.len() as u32;
-            for kinds in [kinds & OPAQUE, kinds & MASKED] {
-                let job = |(chunks, triangles)| Job { light, chunks, kinds, triangles };
-                jobs.extend(Route::stretches(casters, kinds).map(job));
-            }
-            passes.push(Pass { number, layer, light, target, over_static, jobs: first..jobs.len() as u32 });
-        };
-        for (number, due) in (0..).zip(due) {
-            if !self.maps.keep_static() {
-                add(number, due, Target::Live, STATIC | MOVING, false);
-                continue;
-            }
-            if due.stale == Stale::Everything {
-                add(number, due, Target::Static, STATIC, false);
-            }
-            add(number, due, Target::Live, MOVING, true);
-        }
-        (passes, jobs)
-    }
-
-    /// Records the route and the split of a batch of jobs.
-    fn record_batch(&self, encoder: &mut wgpu::CommandEncoder, groups: &Groups, batch: Range<u32>, jobs: &[Job]) {
+        let (first, items, chunks) = (batch.start, batch.len() as u32, casters.chunk_count());
+        let share = self.workspace.share();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("dual_paraboloid::route and split"),
+            label: Some("dual_paraboloid::maps"),
             timestamp_writes: None,
         });
-        let jobs = &jobs[batch.start as usize..batch.end as usize];
-        self.route.record(&mut pass, &groups.route, batch.start, jobs);
-        if self.until >= Stage::Split {
-            self.split.record(&mut pass, &groups.split, batch.start, jobs.len() as u32);
+        self.cull.record(&mut pass, &groups.cull, first, items, chunks);
+        let has_deferred = share.overflows || casters.triangles_of(MASKED) > 0;
+        self.resolve.record(&mut pass, &groups.resolve, first, items, chunks, has_deferred);
+        if self.until >= Stage::Bin {
+            self.bin.record(&mut pass, &groups.bin, first, items, share.jobs);
+        }
+        if self.until >= Stage::Rasterise {
+            let group = match target {
+                Target::Live => &groups.rasterise_live,
+                Target::Static => groups.rasterise_static.as_ref().unwrap_or(&groups.rasterise_live),
+            };
+            self.rasterise.record(&mut pass, group, first, items, self.shape.tiles());
         }
     }
 
-    /// Records the drawing of jobs of one map.
-    #[expect(clippy::too_many_arguments, reason = "one call site; each is a separate thing")]
-    fn record_draws(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        layer: &wgpu::TextureView,
+    /// Writes each item's view; returns whether the buffer was replaced, for more items than ever.
+    fn write_views(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
         casters: &Casters,
-        groups: &Groups,
-        light: u32,
-        drawn: Range<u32>,
-        jobs: &[Job],
-        clear: bool,
-    ) {
-        let sources = Sources {
-            vertices: casters.vertices.buffer(),
-            lists: self.route.lists(),
-            pieces: self.split.pieces(),
-            arguments: &self.arguments,
-            exact: &groups.exact,
-            masked: groups.masked.as_ref(),
+        items: &[Item],
+        batches: &[Range<u32>],
+    ) -> bool {
+        let replaced = (items.len() as u64 + u64::from(MOST_ITEMS)) * SLOT > self.views.size();
+        if replaced {
+            self.views = view_buffer(device, items.len() as u32);
+        }
+        let view = |number: u32, first: u32| {
+            let item = &items[number as usize];
+            View::new(item, &self.shape, &self.workspace, casters.chunk_count(), number, number - first)
         };
-        let mut pass = Depth::begin(encoder, layer, clear);
-        self.depth.draw(&mut pass, &sources, &self.shape, light, drawn, jobs);
-    }
-
-    /// Writes each job's view and its counters' start, growing the buffers if there are more jobs than ever.
-    fn write_jobs(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, jobs: &[Job], batches: &[Range<u32>]) {
-        self.jobs = jobs.len();
-        if jobs.len() as u64 * SLOT > self.demand.size() {
-            self.views = job_buffer(device, "views", jobs.len() as u32, wgpu::BufferUsages::UNIFORM);
-            self.arguments = argument_buffer(device, jobs.len() as u32);
-            self.demand = Demand::new(device, jobs.len() as u32);
-            self.groups = None;
-        }
-        let (mut views, mut arguments) = (Vec::with_capacity(jobs.len()), Vec::with_capacity(jobs.len()));
-        for batch in batches {
-            let jobs = &jobs[batch.start as usize..batch.end as usize];
-            for (job, shares) in jobs.iter().zip(batch::shares(jobs, self.split.capacity())) {
-                views.push(View::new(job, &self.shape, &shares));
-                arguments.push(Arguments::new(&shares));
-            }
-        }
+        let views: Vec<View> = batches.iter().flat_map(|b| b.clone().map(|number| view(number, b.start))).collect();
         queue.write_buffer(&self.views, 0, bytemuck::cast_slice(&views));
-        queue.write_buffer(&self.arguments, 0, bytemuck::cast_slice(&arguments));
+        replaced
     }
 
-    fn bind(&mut self, device: &wgpu::Device, casters: &Casters, key: (u32, u64, bool)) -> Groups {
-        let (lists, vertices) = (self.route.lists(), casters.vertices.buffer());
-        let masked = key.2.then(|| {
-            let masked = self.depth.masked(device);
-            masked.groups(device, casters.mask_buffers(), lists, vertices, self.split.pieces())
-        });
+    fn bind(&self, device: &wgpu::Device, casters: &Casters, key: (u32, u64)) -> Groups {
+        let (views, workspace) = (&self.views, &self.workspace);
+        let rasterise = |target, custom| {
+            self.rasterise.bind_group(device, views, workspace, &self.maps, target, custom)
+        };
         Groups {
             key,
-            route: self.route.bind_group(device, &self.views, &self.arguments, casters),
-            split: self.split.bind_group(device, &self.views, &self.arguments, lists, vertices),
-            exact: self.depth.exact_group(device, &self.views, lists, vertices),
-            masked,
+            cull: self.cull.bind_group(device, views, casters, workspace),
+            resolve: self.resolve.bind_groups(device, views, casters, workspace),
+            bin: self.bin.bind_group(device, views, workspace),
+            rasterise_static: self.maps.keep_static().then(|| rasterise(Target::Static, None)),
+            rasterise_live: rasterise(Target::Live, self.custom.depths()),
         }
     }
 
@@ -477,11 +454,11 @@ impl PointShadows {
     /// [casters that the caller draws](CasterPass).
     #[must_use]
     pub fn caster_bind_group_layout(&self) -> &wgpu::BindGroupLayout {
-        self.depth.layout()
+        self.custom.layout()
     }
 
     /// The longest edge, as the angle in radians that it spans at the light, that [casters that the caller
-    /// draws](CasterPass) may have and be as exact as all others: 1.2 degrees at 1024 texels and a tolerance of a tenth.
+    /// draws](CasterPass) may have to miss their place by a tenth of a texel at most: 1.2 degrees at 1024 texels.
     #[must_use]
     pub fn caster_angle_limit(&self) -> f32 {
         self.shape.angle_limit()
@@ -493,11 +470,11 @@ impl PointShadows {
         self.lookup.bind_group()
     }
 
-    /// The maps, `Depth32Float`: one layer a light, by [`LightId::index`], the front hemisphere in its left half and
+    /// The maps' depths, `R32Float`: one layer a light, by [`LightId::index`], the front hemisphere in its left half and
     /// the back one in its right. The depth is `near / w`, see [`paraboloid::depth`](crate::paraboloid::depth).
     #[must_use]
     pub fn maps(&self) -> &wgpu::Texture {
-        self.maps.live()
+        self.maps.depths()
     }
 
     /// Half a map's width in map coordinates, `1 + g`: the unit disc and the guard band around it.
@@ -506,28 +483,42 @@ impl PointShadows {
         self.shape.half_width
     }
 
-    /// The counters of the last recording that made a map, and for how many jobs there are some.
+    /// Records and jobs that each item of the last recording wanted room for.
     #[cfg(feature = "compare")]
-    pub(crate) fn counters(&self) -> (&wgpu::Buffer, usize) {
-        (&self.arguments, self.jobs)
+    pub(crate) fn counters(&self) -> &wgpu::Buffer {
+        &self.workspace.state
     }
 
-    /// How far depth may be off along a surface's normal, in texel footprints: half the
-    /// [tolerance](PointShadowsDescriptor::tolerance), and a part of the lookup's bias.
+    /// The maps' triangles, `R32Uint`, laid out as [`Self::maps`]: the chunk in bits 8-31 and the place in it in bits 0-7;
+    /// all bits set where there is none.
+    #[cfg(feature = "compare")]
+    #[must_use]
+    pub fn numbers(&self) -> &wgpu::Texture {
+        self.maps.numbers()
+    }
+
+    /// The lookup's bias along a surface's normal, in texel footprints.
     #[must_use]
     pub fn depth_tolerance(&self) -> f32 {
-        self.shape.depth_tolerance()
+        NORMAL_BIAS
     }
 
     /// Bytes on the GPU: the maps, twice with [`keep_static`](PointShadowsDescriptor::keep_static), and what the lights
-    /// share: what up to eight of them need at a time, by the casters' triangles and the resolution, and a few KiB for each.
-    /// That is about 180 MiB at most, unless a single light takes more.
+    /// share: the workspace of up to eight of them at a time, and a few KiB for each. The workspace has 128 MiB at most,
+    /// unless a single light takes more: about 20 MiB at a resolution of 1024, and in proportion to its square.
     #[must_use]
     pub fn memory(&self) -> u64 {
-        let own = self.views.size() + self.arguments.size();
-        let stages = self.route.memory() + self.split.memory() + self.depth.memory();
-        self.maps.memory() + own + stages + self.demand.size() + self.lookup.memory()
+        self.maps.memory() + self.workspace.memory() + self.views.size() + self.custom.memory() + self.lookup.memory()
     }
+}
+
+/// Batches of at most `most` of `count` items, those before `first_live` apart from those after.
+fn batches(first_live: u32, count: u32, most: u32) -> Vec<Range<u32>> {
+    let pack = |all: Range<u32>| {
+        let end = all.end;
+        all.step_by(most as usize).map(move |first| first..(first + most).min(end))
+    };
+    pack(0..first_live).chain(pack(first_live..count)).collect()
 }
 
 fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Result<(), Error> {
@@ -535,23 +526,18 @@ fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Resul
         if ok { Ok(()) } else { Err(Error::InvalidDescriptor { what, value, remedy }) }
     };
     let (widest, layers) = (limits.max_texture_dimension_2d, limits.max_texture_array_layers);
-    let PointShadowsDescriptor { capacity, resolution, tolerance, guard, .. } = *descriptor;
+    let PointShadowsDescriptor { capacity, resolution, guard, .. } = *descriptor;
     let room = format!("it must be 1 to {layers}, the device's limit of texture layers");
     check((1..=layers).contains(&capacity), "capacity", capacity.to_string(), room)?;
-    let room = format!("it must be 1 to {}, half the width of the device's largest texture", widest / 2);
-    check((1..=widest / 2).contains(&resolution), "resolution", resolution.to_string(), room)?;
-    let room = "it must be 0.01 to 1 texel".to_owned();
-    check((0.01..=1.0).contains(&tolerance), "tolerance", tolerance.to_string(), room)?;
+    let most = (widest / 2).min(MOST_RESOLUTION);
+    let room = format!("it must be 1 to {most}, half the width of the device's largest texture and 4096 at most");
+    check((1..=most).contains(&resolution), "resolution", resolution.to_string(), room)?;
     let room = "it must be 1 to 16 texels".to_owned();
     check((1.0..=16.0).contains(&guard), "guard", guard.to_string(), room)
 }
 
-/// A slot for each of so many jobs, and as many more as are bound behind the last one.
-fn job_buffer(device: &wgpu::Device, what: &str, jobs: u32, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    gpu::buffer(device, what, u64::from(jobs + MOST_JOBS) * SLOT, usage | wgpu::BufferUsages::COPY_DST)
-}
-
-fn argument_buffer(device: &wgpu::Device, jobs: u32) -> wgpu::Buffer {
-    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC;
-    job_buffer(device, "arguments", jobs, usage)
+/// A slot for each of so many items, and as many more as are bound behind the last one.
+fn view_buffer(device: &wgpu::Device, items: u32) -> wgpu::Buffer {
+    let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+    gpu::buffer(device, "views", u64::from(items + MOST_ITEMS) * SLOT, usage)
 }

@@ -86,7 +86,7 @@ impl Transform {
 }
 
 fn pipeline(device: &wgpu::Device, text: String) -> wgpu::ComputePipeline {
-    gpu::compute_pipeline(device, "transform", &gpu::shader(device, "transform", text), None, &[])
+    gpu::compute_pipeline(device, "transform", &gpu::shader(device, "transform", text), &[], &[])
 }
 
 fn upload(

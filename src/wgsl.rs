@@ -6,14 +6,16 @@ const VIEW: &str = include_str!("../shaders/view.wgsl");
 const REST: &str = include_str!("../shaders/rest.wgsl");
 const DEFORMED: &str = include_str!("../shaders/deformed.wgsl");
 const TRANSFORM: &str = include_str!("../shaders/transform.wgsl");
-const ROUTE: &str = include_str!("../shaders/route.wgsl");
-const SPLIT: &str = include_str!("../shaders/split.wgsl");
 const MASK: &str = include_str!("../shaders/mask.wgsl");
 const MASK_COPY: &str = include_str!("../shaders/mask_copy.wgsl");
-const MASKED: &str = include_str!("../shaders/masked.wgsl");
 const HEMISPHERE: &str = include_str!("../shaders/hemisphere.wgsl");
-const DEPTH: &str = include_str!("../shaders/depth.wgsl");
-const EXACT: &str = include_str!("../shaders/exact.wgsl");
+const PROJECTION: &str = include_str!("../shaders/projection.wgsl");
+const TRIANGLE: &str = include_str!("../shaders/triangle.wgsl");
+const TILES: &str = include_str!("../shaders/tiles.wgsl");
+const CULL: &str = include_str!("../shaders/cull.wgsl");
+const RESOLVE: &str = include_str!("../shaders/resolve.wgsl");
+const BIN: &str = include_str!("../shaders/bin.wgsl");
+const RASTERISE: &str = include_str!("../shaders/rasterise.wgsl");
 const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
 const FILTER: &str = include_str!("../shaders/filter.wgsl");
 
@@ -61,28 +63,25 @@ pub(crate) fn transform_deformed() -> String {
     [CASTERS, TRANSFORM, MASK, DEFORMED].concat()
 }
 
-pub(crate) fn route() -> String {
-    [PARABOLOID, CASTERS, VIEW, ROUTE].concat()
+pub(crate) fn cull() -> String {
+    [PARABOLOID, PROJECTION, CASTERS, VIEW, TRIANGLE, CULL].concat()
 }
 
-pub(crate) fn split() -> String {
-    [PARABOLOID, CASTERS, VIEW, SPLIT].concat()
+pub(crate) fn resolve() -> String {
+    [PARABOLOID, PROJECTION, CASTERS, VIEW, TRIANGLE, MASK, RESOLVE].concat()
 }
 
-pub(crate) fn depth() -> String {
-    [&caster(0), DEPTH].concat()
+pub(crate) fn bin() -> String {
+    [PARABOLOID, PROJECTION, VIEW, TILES, BIN].concat()
 }
 
-pub(crate) fn exact() -> String {
-    [PARABOLOID, CASTERS, VIEW, MASK, EXACT].concat()
+/// Each thread takes `quads` quads of a tile.
+pub(crate) fn rasterise(quads: u32) -> String {
+    [PARABOLOID, PROJECTION, VIEW, TILES, &format!("const QUADS: u32 = {quads}u;\n"), RASTERISE].concat()
 }
 
 pub(crate) fn mask_copy() -> String {
     MASK_COPY.to_owned()
-}
-
-pub(crate) fn masked() -> String {
-    [&caster(0), CASTERS, MASK, DEPTH, MASKED].concat()
 }
 
 /// Name and text of every complete module that the library compiles, and of the lookup under group 0; for checking
@@ -92,13 +91,13 @@ pub fn modules() -> Vec<(&'static str, String)> {
     vec![
         ("transform", transform()),
         ("transform_deformed", transform_deformed()),
-        ("route", route()),
-        ("split", split()),
-        ("depth", depth()),
+        ("cull", cull()),
+        ("resolve", resolve()),
+        ("bin", bin()),
+        ("rasterise", rasterise(1)),
+        ("rasterise_software", rasterise(8)),
         ("caster", caster(0)),
-        ("exact", exact()),
         ("mask_copy", mask_copy()),
-        ("masked", masked()),
         ("lookup", lookup(0)),
     ]
 }

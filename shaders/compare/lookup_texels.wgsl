@@ -17,7 +17,7 @@ fn texels_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     if dot(receiver.position, receiver.position) > dp_lights[light].range * dp_lights[light].range {
         return 1.0;
     }
-    let resolution = i32(textureDimensions(dp_maps).y);
+    let resolution = i32(dp_lights[light].resolution);
     let middle = 0.5 * f32(resolution);
     let texels = dp_lights[light].texels;
     let first = middle + receiver.map * vec2<f32>(texels, -texels) - 0.5 * f32(TEXEL_SIDE - 1);
@@ -33,7 +33,7 @@ fn texels_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
         for (var x = 0; x < TEXEL_SIDE; x++) {
             let texel = clamp(base + vec2<i32>(x, y), vec2<i32>(0), vec2<i32>(resolution - 1));
             let p = (vec2<f32>(texel) + 0.5 - middle) * vec2<f32>(1.0, -1.0) / texels;
-            let stored = textureLoad(dp_maps, texel + vec2<i32>(left, 0), light, 0);
+            let stored = textureLoad(dp_maps, vec2<i32>(dp_lights[light].origin) + texel + vec2<i32>(left, 0), dp_lights[light].layer, 0).x;
             let weight = texel_weight(x, f.x) * texel_weight(y, f.y);
             let depth = dp_plane_depths(plane, p.xxxx, p.yyyy).x;
             let votes = dp_votes(judge, dp_margins(vec4<f32>(stored), vec4<f32>(depth), footprint));

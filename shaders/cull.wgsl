@@ -1,0 +1,247 @@
+// Cull: what of a chunk can't show is left out, what is small is drawn at once, what is large is recorded for the tiles.
+
+@group(0) @binding(0) var<uniform> views: array<View, MOST_ITEMS>;
+@group(0) @binding(1) var<storage, read> chunk_sources: array<ChunkSource>;
+@group(0) @binding(2) var<storage, read> chunk_bounds: array<ChunkBounds>;
+@group(0) @binding(3) var<storage, read> triangles: array<u32>;
+@group(0) @binding(4) var<storage, read> vertices: array<CasterVertex>;
+// Greatest depth of each texel, as the bits of a float.
+@group(0) @binding(5) var<storage, read_write> depths: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> records: array<vec4<u32>>;
+@group(0) @binding(7) var<storage, read_write> jobs: array<u32>;
+// Each item's counters, then the bits of all chunks.
+@group(0) @binding(8) var<storage, read_write> state: array<atomic<u32>>;
+
+// Leaving out what can't change the map; off only to prove that it can't.
+override REJECT: bool = true;
+// Texels along a side of the largest box that is drawn at once.
+override SMALL: i32 = 12;
+
+var<workgroup> large: array<u32, 256>;
+var<workgroup> large_count: atomic<u32>;
+var<workgroup> job_count: atomic<u32>;
+var<workgroup> record_base: u32;
+var<workgroup> job_base: u32;
+var<workgroup> drawn: array<atomic<u32>, 8>;
+var<workgroup> deferred: array<atomic<u32>, 8>;
+
+@compute @workgroup_size(THREADS)
+fn cull(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let view = views[group.z];
+    for (var chunk = group.x; chunk < view.end_chunk; chunk += groups.x) {
+        // All that a chunk needs is asked for at once, since what takes time is to wait.
+        let source = chunk_sources[chunk];
+        let bounds = chunk_bounds[chunk];
+        let vertex = vertices[source.vertex + min(thread, max(vertex_count(source), 1u) - 1u)].position;
+        let packed = triangles[source.triangle + min(thread, max(triangle_count(source), 1u) - 1u)];
+        let rule = culling_rule(view, source, bounds);
+        let faces_away = rule != 0u && faces_away(bounds, view.position);
+        let squares = select(squares_of_chunk(view, source, bounds), 0u, faces_away);
+        if (squares & (1u << group.y)) != 0u {
+            cull_chunk(view, chunk, source, bounds, rule, vertex, packed, group.y, thread);
+        } else {
+            for (var word = thread; word < CHUNK_BITS; word += THREADS) {
+                atomicStore(&state[bits_of(view, chunk, group.y) + word], 0u);
+            }
+        }
+    }
+}
+
+// The maps that the chunk may be seen in, as bits; none if it is unused, of another kind or out of range.
+fn squares_of_chunk(view: View, source: ChunkSource, bounds: ChunkBounds) -> u32 {
+    if triangle_count(source) == 0u || (view.kinds & (1u << kind(source))) == 0u {
+        return 0u;
+    }
+    let low = bounds.min - view.position;
+    let high = bounds.max - view.position;
+    let nearest = max(max(low, -high), vec3<f32>(0.0));
+    if dot(nearest, nearest) > view.range * view.range {
+        return 0u;
+    }
+    return squares_of(view, low, high);
+}
+
+// What is done with triangles that face away: CULL_CLOSED, CULL_ALWAYS or 0.
+fn culling_rule(view: View, source: ChunkSource, bounds: ChunkBounds) -> u32 {
+    let rule = culling(source);
+    if rule != CULL_CLOSED {
+        return rule;
+    }
+    // Outside by more than near, nothing of a closed piece is clipped, so a front face hides every back face.
+    let outside = any(view.position < bounds.pieces_min - view.near)
+        || any(view.position > bounds.pieces_max + view.near);
+    return select(0u, CULL_CLOSED, REJECT && outside);
+}
+
+fn cull_chunk(
+    view: View,
+    chunk: u32,
+    source: ChunkSource,
+    bounds: ChunkBounds,
+    rule: u32,
+    vertex: vec3<f32>,
+    early: u32,
+    square: u32,
+    thread: u32,
+) {
+    if thread == 0u {
+        atomicStore(&queued, 0u);
+        atomicStore(&large_count, 0u);
+        atomicStore(&job_count, 0u);
+    }
+    for (var word = thread; word < 8u; word += THREADS) {
+        atomicStore(&drawn[word], 0u);
+        atomicStore(&deferred[word], 0u);
+    }
+    place_corners(view, source, vertex, square, thread);
+    workgroupBarrier();
+
+    let is_masked = (kind(source) & KIND_MASKED) != 0u;
+    let cull = select(0.0, bounds.handedness, rule != 0u);
+    for (var t = thread; t < triangle_count(source); t += THREADS) {
+        var packed = early;
+        if t != thread {
+            packed = triangles[source.triangle + t];
+        }
+        sort_triangle(view, t, corners_of(packed), is_masked, cull);
+    }
+    workgroupBarrier();
+
+    let all = atomicLoad(&queued);
+    for (var row = thread; row < (all >> 9u); row += THREADS) {
+        draw_row(view, source, square, row, all & 0x1ffu);
+    }
+    record_large(view, chunk, source, square, thread, atomicLoad(&large_count));
+    workgroupBarrier();
+    for (var word = thread; word < 8u; word += THREADS) {
+        let at = bits_of(view, chunk, square) + word;
+        atomicStore(&state[at], atomicLoad(&drawn[word]));
+        atomicStore(&state[at + BITS_DEFERRED], atomicLoad(&deferred[word]));
+    }
+}
+
+// Whether a triangle is left out, drawn at once, or recorded. Where `cull` isn't 0, those that face away don't cast; it is
+// negative if the instance mirrors its mesh.
+fn sort_triangle(view: View, t: u32, local: vec3<u32>, is_masked: bool, cull: f32) {
+    let a = corners[local.x];
+    let b = corners[local.y];
+    let c = corners[local.z];
+    if max(a.z, max(b.z, c.z)) < 0.0 {
+        return;
+    }
+    var is_large = !is_near(a, b, c);
+    var box: Box;
+    if !is_large {
+        box = box_of(view, a, b, c);
+        let size = box.high - box.low;
+        if any(size < vec2<i32>(0)) {
+            return;
+        }
+        is_large = max(size.x, size.y) >= SMALL;
+    }
+    if cull != 0.0 {
+        let x = places[local.x];
+        let n = triangle_normal(x, places[local.y], places[local.z]);
+        if dot(n, x) * cull > 1e-6 * length(n) * length(x) {
+            return;
+        }
+    }
+    if is_masked {
+        atomicOr(&deferred[t / 32u], 1u << (t % 32u));
+    } else if is_large {
+        atomicOr(&deferred[t / 32u], 1u << (t % 32u));
+        large[atomicAdd(&large_count, 1u)] = t;
+    } else {
+        enqueue(t, u32(box.high.y - box.low.y + 1));
+    }
+}
+
+fn draw_row(view: View, source: ChunkSource, square: u32, row: u32, count: u32) {
+    let entry = triangle_of_row(row, count);
+    let t = entry & 0xffu;
+    let local = corners_of(triangles[source.triangle + t]);
+    let triangle = triangle_of(view.near, places[local.x], places[local.y], places[local.z]);
+    let box = box_of(view, corners[local.x], corners[local.y], corners[local.z]);
+    let y = box.low.y + i32(row - (entry >> 8u));
+    let v = texel_v(view, f32(y));
+    let limits = depth_limits(view.near, corners[local.x], corners[local.y], corners[local.z]);
+    let span = row_span(view, triangle, box, y);
+    var wins = false;
+    for (var x = span.x; x <= span.y; x += 1) {
+        let q = scaled_direction(vec2<f32>(texel_u(view, f32(x)), v));
+        let z = clamp(dot(triangle.plane, q), limits.x, limits.y);
+        if covers(triangle, q) && is_looked_up(view, q.xy) && z > 0.0 && z <= 1.0 {
+            let bits = bitcast<u32>(z);
+            let at = texel_place(view, square, x, y);
+            if atomicLoad(&depths[at]) <= bits {
+                wins = wins || atomicMax(&depths[at], bits) <= bits;
+            }
+        }
+    }
+    if wins {
+        atomicOr(&drawn[t / 32u], 1u << (t % 32u));
+    }
+}
+
+fn record_large(view: View, chunk: u32, source: ChunkSource, square: u32, thread: u32, count: u32) {
+    for (var i = thread; i < count; i += THREADS) {
+        let tiles = tiles_of(view, source, large[i]);
+        let blocks = u32(tiles.high.y) / BLOCK - u32(tiles.low.y) / BLOCK + 1u;
+        large[i] |= atomicAdd(&job_count, blocks) << 8u;
+    }
+    workgroupBarrier();
+    if thread == 0u && count > 0u {
+        record_base = atomicAdd(&state[view.counters + COUNTER_RECORDS], count);
+        job_base = atomicAdd(&state[view.counters + COUNTER_JOBS], atomicLoad(&job_count));
+    }
+    workgroupBarrier();
+    for (var i = thread; i < count; i += THREADS) {
+        let record = record_base + i;
+        let t = large[i] & 0xffu;
+        let tiles = tiles_of(view, source, t);
+        let low = u32(tiles.low.y) / BLOCK;
+        let high = u32(tiles.high.y) / BLOCK;
+        let job = job_base + (large[i] >> 8u);
+        // Without room for all, the item's large triangles are drawn another way (resolve.wgsl).
+        if record < view.record_capacity && job + high - low < view.job_capacity {
+            write_record(view, source, square, record, ((chunk << 8u) | t) + 1u, tiles, t);
+            for (var row = low; row <= high; row += 1u) {
+                jobs[view.first_job + job + row - low] = (record << 5u) | row;
+            }
+        }
+    }
+}
+
+fn write_record(view: View, source: ChunkSource, square: u32, record: u32, number: u32, tiles: Box, t: u32) {
+    let local = corners_of(triangles[source.triangle + t]);
+    let triangle = triangle_of(view.near, places[local.x], places[local.y], places[local.z]);
+    let limits = depth_limits(view.near, corners[local.x], corners[local.y], corners[local.z]);
+    let low = vec2<u32>(tiles.low);
+    let high = vec2<u32>(tiles.high);
+    let at = (view.first_record + record) * RECORD;
+    records[at] = vec4<u32>(bitcast<vec3<u32>>(unit(triangle.e0)), number | (square << SQUARE_SHIFT));
+    records[at + 1u] = vec4<u32>(
+        bitcast<vec3<u32>>(unit(triangle.e1)),
+        low.x | (low.y << 8u) | (high.x << 16u) | (high.y << 24u),
+    );
+    records[at + 2u] = vec4<u32>(bitcast<vec3<u32>>(unit(triangle.e2)), bitcast<u32>(limits.x));
+    records[at + 3u] = vec4<u32>(bitcast<vec3<u32>>(triangle.plane), bitcast<u32>(limits.y));
+}
+
+fn unit(e: vec3<f32>) -> vec3<f32> {
+    let square = dot(e, e);
+    return select(vec3<f32>(0.0), e * inverseSqrt(square), square > 0.0);
+}
+
+// The tiles that a large triangle may touch.
+fn tiles_of(view: View, source: ChunkSource, t: u32) -> Box {
+    let local = corners_of(triangles[source.triangle + t]);
+    let triangle = triangle_of(view.near, places[local.x], places[local.y], places[local.z]);
+    let box = whole_box_of(view, local, triangle);
+    let last = vec2<i32>(i32(view.across) - 1);
+    return Box(min(box.low / TILE, last), max(box.high, vec2<i32>(0)) / TILE);
+}

@@ -1,0 +1,175 @@
+// Resolve: which triangle each texel's depth is of. Who wins a texel among the small ones is known only when all are
+// drawn, so the triangles that won one at some time are gone through once more. Before that, by the same way, what the
+// culling put off is drawn: masked casters and, where records found no room, large triangles.
+
+@group(0) @binding(0) var<uniform> views: array<View, MOST_ITEMS>;
+@group(0) @binding(1) var<storage, read> chunk_sources: array<ChunkSource>;
+@group(0) @binding(2) var<storage, read> triangles: array<u32>;
+@group(0) @binding(3) var<storage, read> vertices: array<CasterVertex>;
+@group(0) @binding(4) var<storage, read_write> depths: array<atomic<u32>>;
+// The greatest number, with one added, of the triangles that have a texel's depth.
+@group(0) @binding(5) var<storage, read_write> numbers: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> state: array<atomic<u32>>;
+
+// Numbers texels; else draws what was put off.
+override NUMBERS: bool = true;
+// Bands of rows that workgroups share a map out in.
+override BANDS: u32 = 1u;
+
+// How far apart, relatively, the depths may be that this shader and the culling's compute for one texel and triangle, and
+// by how much, as the sine of an angle, a texel's direction may miss the triangle: compilers may round each in its own way.
+const SAME_DEPTH: f32 = 1e-6;
+const SAME_EDGE: f32 = 1e-6;
+
+var<workgroup> chosen: array<u32, 8>;
+var<workgroup> any_chosen: u32;
+var<workgroup> wins: array<atomic<u32>, 8>;
+
+@compute @workgroup_size(THREADS)
+fn resolve(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let view = views[group.z];
+    let square = group.y % SQUARES;
+    for (var chunk = group.x; chunk < view.end_chunk; chunk += groups.x) {
+        let source = chunk_sources[chunk];
+        if thread == 0u {
+            any_chosen = choose(view, source, chunk, square);
+            atomicStore(&queued, 0u);
+        }
+        if workgroupUniformLoad(&any_chosen) != 0u {
+            resolve_chunk(view, source, chunk, square, group.y / SQUARES, thread);
+        }
+    }
+}
+
+// Notes which of a chunk's triangles this is about, and returns whether any is.
+fn choose(view: View, source: ChunkSource, chunk: u32, square: u32) -> u32 {
+    let has_overflown = atomicLoad(&state[view.counters + COUNTER_RECORDS]) > view.record_capacity
+        || atomicLoad(&state[view.counters + COUNTER_JOBS]) > view.job_capacity;
+    let draws = has_overflown || (kind(source) & KIND_MASKED) != 0u;
+    if !NUMBERS && !draws {
+        return 0u;
+    }
+    let at = bits_of(view, chunk, square) + select(BITS_DEFERRED, 0u, NUMBERS);
+    var all = 0u;
+    for (var word = 0u; word < 8u; word += 1u) {
+        chosen[word] = atomicLoad(&state[at + word]);
+        atomicStore(&wins[word], 0u);
+        all |= chosen[word];
+    }
+    return all;
+}
+
+fn resolve_chunk(view: View, source: ChunkSource, chunk: u32, square: u32, band: u32, thread: u32) {
+    let last = max(vertex_count(source), 1u) - 1u;
+    place_corners(view, source, vertices[source.vertex + min(thread, last)].position, square, thread);
+    workgroupBarrier();
+    let rows = band_of(view, band);
+    for (var t = thread; t < triangle_count(source); t += THREADS) {
+        if (chosen[t / 32u] & (1u << (t % 32u))) != 0u {
+            let box = box_in_band(view, source, t, rows);
+            if box.high.y >= box.low.y {
+                enqueue(t, u32(box.high.y - box.low.y + 1));
+            }
+        }
+    }
+    workgroupBarrier();
+    let all = atomicLoad(&queued);
+    for (var row = thread; row < (all >> 9u); row += THREADS) {
+        resolve_row(view, source, chunk, square, rows, row, all & 0x1ffu);
+    }
+    workgroupBarrier();
+    if !NUMBERS {
+        for (var word = thread; word < 8u; word += THREADS) {
+            atomicOr(&state[bits_of(view, chunk, square) + word], atomicLoad(&wins[word]));
+        }
+    }
+}
+
+// First and last row of a band.
+fn band_of(view: View, band: u32) -> vec2<i32> {
+    let size = (i32(view.resolution) + i32(BANDS) - 1) / i32(BANDS);
+    return vec2<i32>(i32(band) * size, min((i32(band) + 1) * size, i32(view.resolution)) - 1);
+}
+
+fn triangle_at(view: View, local: vec3<u32>) -> Triangle {
+    return triangle_of(view.near, places[local.x], places[local.y], places[local.z]);
+}
+
+fn box_in_band(view: View, source: ChunkSource, t: u32, rows: vec2<i32>) -> Box {
+    let local = corners_of(triangles[source.triangle + t]);
+    let box = whole_box_of(view, local, triangle_at(view, local));
+    return Box(vec2<i32>(box.low.x, max(box.low.y, rows.x)), vec2<i32>(box.high.x, min(box.high.y, rows.y)));
+}
+
+fn resolve_row(view: View, source: ChunkSource, chunk: u32, square: u32, rows: vec2<i32>, row: u32, count: u32) {
+    let entry = triangle_of_row(row, count);
+    let t = entry & 0xffu;
+    let local = corners_of(triangles[source.triangle + t]);
+    let triangle = triangle_at(view, local);
+    let box = box_in_band(view, source, t, rows);
+    let y = box.low.y + i32(row - (entry >> 8u));
+    let v = texel_v(view, f32(y));
+    let limits = depth_limits(view.near, corners[local.x], corners[local.y], corners[local.z]);
+    let span = row_span(view, triangle, box, y);
+    var has_won = false;
+    for (var x = span.x; x <= span.y; x += 1) {
+        let q = scaled_direction(vec2<f32>(texel_u(view, f32(x)), v));
+        let z = clamp(dot(triangle.plane, q), limits.x, limits.y);
+        if z > 0.0 && z <= 1.0 && is_looked_up(view, q.xy) {
+            let at = texel_place(view, square, x, y);
+            if NUMBERS {
+                number_texel(at, z, covers_nearly(triangle, q), source, local, triangle, q, ((chunk << 8u) | t) + 1u);
+            } else if covers(triangle, q) && !is_in_hole(source, local, triangle, q) {
+                let bits = bitcast<u32>(z);
+                has_won = atomicMax(&depths[at], bits) <= bits || has_won;
+            }
+        }
+    }
+    if has_won {
+        atomicOr(&wins[t / 32u], 1u << (t % 32u));
+    }
+}
+
+fn number_texel(
+    at: u32,
+    z: f32,
+    is_covered: bool,
+    source: ChunkSource,
+    local: vec3<u32>,
+    triangle: Triangle,
+    q: vec3<f32>,
+    number: u32,
+) {
+    let depth = bitcast<f32>(atomicLoad(&depths[at]));
+    if is_covered && abs(z - depth) <= SAME_DEPTH * depth && !is_in_hole(source, local, triangle, q) {
+        atomicMax(&numbers[at], number);
+    }
+}
+
+fn covers_nearly(triangle: Triangle, q: vec3<f32>) -> bool {
+    let edges = vec3<f32>(dot(triangle.e0, q), dot(triangle.e1, q), dot(triangle.e2, q));
+    let lengths = vec3<f32>(length(triangle.e0), length(triangle.e1), length(triangle.e2));
+    return all(edges >= -SAME_EDGE * lengths);
+}
+
+// Whether a masked triangle has a hole where a ray in the direction q meets it: the corners' shares there are in proportion
+// to the products with the planes of the opposite edges.
+fn is_in_hole(source: ChunkSource, local: vec3<u32>, triangle: Triangle, q: vec3<f32>) -> bool {
+    if (kind(source) & KIND_MASKED) == 0u {
+        return false;
+    }
+    let a = mask_vertices[vertices[source.vertex + local.x].data];
+    let b = mask_vertices[vertices[source.vertex + local.y].data];
+    let c = mask_vertices[vertices[source.vertex + local.z].data];
+    let shares = max(
+        vec3<f32>(dot(triangle.e1, q), dot(triangle.e2, q), dot(triangle.e0, q)),
+        vec3<f32>(0.0),
+    );
+    let sum = shares.x + shares.y + shares.z;
+    let weights = select(vec3<f32>(1.0, 0.0, 0.0), shares / sum, sum > 0.0);
+    return is_hole(mask_at(a.mask), weighted_coordinates(a, b, c, weights));
+}

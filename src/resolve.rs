@@ -1,0 +1,80 @@
+//! The resolve stage: draws what the cull stage put off, and finds which triangle each texel's depth is of
+//! (`shaders/resolve.wgsl`).
+
+use crate::casters::Casters;
+use crate::gpu::{self, Binding, Workgroups};
+use crate::mask;
+use crate::view::SLOT;
+use crate::workspace::Workspace;
+
+#[derive(Debug)]
+pub(crate) struct Resolve {
+    /// Draws what was put off.
+    deferred: wgpu::ComputePipeline,
+    /// Numbers texels.
+    numbers: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+    mask_layout: wgpu::BindGroupLayout,
+    workgroups: Workgroups,
+}
+
+impl Resolve {
+    pub(crate) fn new(device: &wgpu::Device, workgroups: Workgroups) -> Self {
+        use Binding::{Read, Uniform, Write};
+        let bindings = [Uniform, Read, Read, Read, Write, Write, Write];
+        let layout = gpu::layout(device, "resolve", wgpu::ShaderStages::COMPUTE, &bindings);
+        let mask_layout = mask::layout(device);
+        let module = gpu::shader(device, "resolve", crate::wgsl::resolve());
+        let pipeline = |numbers: bool| {
+            let constants = [
+                ("THREADS", f64::from(workgroups.chunk_threads())),
+                ("NUMBERS", f64::from(u8::from(numbers))),
+                ("BANDS", f64::from(workgroups.bands())),
+            ];
+            gpu::compute_pipeline(device, "resolve", &module, &[&layout, &mask_layout], &constants)
+        };
+        Self { deferred: pipeline(false), numbers: pipeline(true), layout, mask_layout, workgroups }
+    }
+
+    pub(crate) fn bind_groups(
+        &self,
+        device: &wgpu::Device,
+        views: &wgpu::Buffer,
+        casters: &Casters,
+        workspace: &Workspace,
+    ) -> [wgpu::BindGroup; 2] {
+        let buffers = [
+            casters.chunk_sources.buffer(),
+            casters.triangles.buffer(),
+            casters.vertices.buffer(),
+            &workspace.depths,
+            &workspace.numbers,
+            &workspace.state,
+        ];
+        let masks = casters.mask_buffers().map(wgpu::Buffer::as_entire_binding);
+        [
+            gpu::bind_after_views(device, "resolve", &self.layout, views, &buffers),
+            gpu::bind_group(device, "masks", &self.mask_layout, &masks),
+        ]
+    }
+
+    /// Records a batch of `items` items, of which `first` is the first of the recording.
+    pub(crate) fn record(
+        &self,
+        pass: &mut wgpu::ComputePass,
+        groups: &[wgpu::BindGroup; 2],
+        first: u32,
+        items: u32,
+        chunks: u32,
+        has_deferred: bool,
+    ) {
+        pass.set_bind_group(0, &groups[0], &[first * SLOT as u32]);
+        pass.set_bind_group(1, &groups[1], &[]);
+        let pipelines = [has_deferred.then_some(&self.deferred), Some(&self.numbers)];
+        for pipeline in pipelines.into_iter().flatten() {
+            pass.set_pipeline(pipeline);
+            let groups = chunks.clamp(1, self.workgroups.most_groups());
+            pass.dispatch_workgroups(groups, 2 * self.workgroups.bands(), items);
+        }
+    }
+}

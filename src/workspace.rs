@@ -1,0 +1,128 @@
+//! What the stages of a batch hand on to one another. All of it is as it was, zero, once the last stage is done.
+
+use crate::batch::{MOST_ITEMS, Share, TILE};
+use crate::gpu;
+
+/// Words of an item's counters; twins in `shaders/view.wgsl`.
+const COUNTERS: u32 = 2;
+
+/// Buffers that the stages share.
+#[derive(Debug)]
+pub(crate) struct Workspace {
+    /// Greatest depth of each texel, tile by tile, of what is drawn small.
+    pub(crate) depths: wgpu::Buffer,
+    /// The triangle that has it.
+    pub(crate) numbers: wgpu::Buffer,
+    /// Of each tile, how many large triangles touch it, and its least depth.
+    pub(crate) tiles: wgpu::Buffer,
+    pub(crate) tile_lists: wgpu::Buffer,
+    pub(crate) records: wgpu::Buffer,
+    pub(crate) jobs: wgpu::Buffer,
+    /// Counters of all items of a recording, then the chunks' bits of a batch.
+    pub(crate) state: wgpu::Buffer,
+    share: Share,
+    room: u32,
+    /// The most records of an item, for tests.
+    most_records: Option<u32>,
+    /// Items of a batch.
+    items: u32,
+    /// Items of a recording that there are counters for.
+    counted: u32,
+}
+
+impl Workspace {
+    /// For batches of `items` items, of `counted` in all, and lists of `room` entries a tile.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        share: Share,
+        room: u32,
+        most_records: Option<u32>,
+        items: u32,
+        counted: u32,
+    ) -> Self {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        let buffer = |what, words: u32, each: u32| {
+            gpu::buffer(device, what, 4 * u64::from(words) * u64::from(each) * u64::from(items), usage)
+        };
+        let state = 4 * (u64::from(COUNTERS) * u64::from(counted) + u64::from(share.bits) * u64::from(items));
+        Self {
+            depths: buffer("workspace::depths", share.tiles, TILE * TILE),
+            numbers: buffer("workspace::numbers", share.tiles, TILE * TILE),
+            tiles: buffer("workspace::tiles", share.tiles, 2),
+            tile_lists: buffer("workspace::tile lists", share.tiles, room),
+            records: buffer("workspace::records", share.records, 16),
+            jobs: buffer("workspace::jobs", share.jobs, 1),
+            state: gpu::buffer(device, "workspace::state", state, usage),
+            share,
+            room,
+            most_records,
+            items,
+            counted,
+        }
+    }
+
+    /// Makes room, or gives it back where much is unused; returns whether buffers were replaced.
+    pub(crate) fn fit(&mut self, device: &wgpu::Device, share: Share, lights: u32, counted: u32) -> bool {
+        let share = self.most_records.map_or(share, |most| share.with_records(most));
+        let limits = device.limits();
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let items = share.items(lights, self.room, limit);
+        let fits = share.tiles == self.share.tiles
+            && share.records <= self.share.records
+            && share.jobs <= self.share.jobs
+            && share.bits <= self.share.bits
+            && counted <= self.counted
+            && items == self.items;
+        let used = share.bytes(self.room) * u64::from(items);
+        self.share.overflows = share.overflows;
+        if fits && used >= self.memory() / 4 {
+            return false;
+        }
+        // A quarter more, so that a scene that grows step by step isn't given new buffers with each.
+        let more = |x: u32| x + x / 4;
+        let roomy = if fits { share } else { Share { bits: more(share.bits), ..share } };
+        *self = Self::new(device, roomy, self.room, self.most_records, items, more(counted).max(MOST_ITEMS));
+        true
+    }
+
+    pub(crate) fn share(&self) -> &Share {
+        &self.share
+    }
+
+    /// Entries of a tile's list.
+    pub(crate) fn room(&self) -> u32 {
+        self.room
+    }
+
+    /// Items of a batch.
+    pub(crate) fn items(&self) -> u32 {
+        self.items
+    }
+
+    /// Where the item number `number` of a recording has its counters, in words.
+    pub(crate) fn counters(number: u32) -> u32 {
+        COUNTERS * number
+    }
+
+    /// Where the item number `place` of a batch has its bits, in words.
+    pub(crate) fn bits(&self, place: u32) -> u32 {
+        COUNTERS * self.counted + self.share.bits * place
+    }
+
+    /// Resets the counters of a recording of `items` items.
+    pub(crate) fn clear_counters(&self, encoder: &mut wgpu::CommandEncoder, items: u32) {
+        encoder.clear_buffer(&self.state, 0, Some(4 * u64::from(COUNTERS) * u64::from(items)));
+    }
+
+    /// Makes everything zero where the last stage isn't recorded.
+    pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        for buffer in [&self.depths, &self.numbers, &self.tiles] {
+            encoder.clear_buffer(buffer, 0, None);
+        }
+    }
+
+    pub(crate) fn memory(&self) -> u64 {
+        let buffers = [&self.depths, &self.numbers, &self.tiles, &self.tile_lists, &self.records, &self.jobs, &self.state];
+        buffers.into_iter().map(wgpu::Buffer::size).sum()
+    }
+}
