@@ -176,9 +176,9 @@ fn draw_row(view: View, source: ChunkSource, square: u32, row: u32, count: u32) 
         let z = clamp(dot(triangle.plane, q), limits.x, limits.y);
         if covers(triangle, q) && is_looked_up(view, q.xy) && z > 0.0 && z <= 1.0 {
             let bits = bitcast<u32>(z);
-            let at = texel_place(view, square, x, y);
+            let at = place_of_texel(view, square, x, y);
             if atomicLoad(&depths[at]) <= bits {
-                wins = wins || atomicMax(&depths[at], bits) <= bits;
+                wins = atomicMax(&depths[at], bits) <= bits || wins;
             }
         }
     }

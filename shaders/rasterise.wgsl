@@ -225,9 +225,9 @@ fn start_texels(view: View, item: u32, tile: Tile, place: u32, quad: u32) -> Tex
         for (var i = 0; i < 4; i += 1) {
             let texel = corner + vec2<i32>(i, 0);
             if (view.start & START_STATIC) != 0u {
-                let from = texel + vec2<i32>(vec2<u32>(view.left, view.top));
-                let depth = textureLoad(static_depths, from, view.layer, 0).x;
-                let number = textureLoad(static_numbers, from, view.layer, 0).x + 1u;
+                let source = texel + vec2<i32>(vec2<u32>(view.left, view.top));
+                let depth = textureLoad(static_depths, source, view.layer, 0).x;
+                let number = textureLoad(static_numbers, source, view.layer, 0).x + 1u;
                 texels = nearer(texels, i, depth, number);
             }
             if (view.start & START_CUSTOM) != 0u {

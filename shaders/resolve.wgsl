@@ -120,7 +120,7 @@ fn resolve_row(view: View, source: ChunkSource, chunk: u32, square: u32, rows: v
         let q = scaled_direction(vec2<f32>(texel_u(view, f32(x)), v));
         let z = clamp(dot(triangle.plane, q), limits.x, limits.y);
         if z > 0.0 && z <= 1.0 && is_looked_up(view, q.xy) {
-            let at = texel_place(view, square, x, y);
+            let at = place_of_texel(view, square, x, y);
             if NUMBERS {
                 number_texel(at, z, covers_nearly(triangle, q), source, local, triangle, q, ((chunk << 8u) | t) + 1u);
             } else if covers(triangle, q) && !is_in_hole(source, local, triangle, q) {

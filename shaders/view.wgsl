@@ -89,7 +89,7 @@ fn tile_of(view: View, hemisphere: u32, x: u32, y: u32) -> u32 {
 }
 
 // Where the workspace has a texel.
-fn texel_place(view: View, hemisphere: u32, x: i32, y: i32) -> u32 {
+fn place_of_texel(view: View, hemisphere: u32, x: i32, y: i32) -> u32 {
     let tile = tile_of(view, hemisphere, u32(x / TILE), u32(y / TILE));
     return tile * TILE_TEXELS + u32((y % TILE) * TILE + x % TILE);
 }

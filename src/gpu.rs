@@ -45,10 +45,24 @@ pub(crate) fn dynamic(buffer: &wgpu::Buffer, size: u64) -> wgpu::BindingResource
 pub(crate) enum Binding {
     /// Uniform with an offset given when the group is set.
     Uniform,
+    /// Storage, written by the shader, with an offset given when the group is set.
+    #[cfg(feature = "compare")]
+    Counters,
     /// Storage that the shader reads.
     Read,
     /// Storage that the shader writes.
     Write,
+}
+
+impl Binding {
+    fn has_offset(self) -> bool {
+        match self {
+            Self::Uniform => true,
+            #[cfg(feature = "compare")]
+            Self::Counters => true,
+            Self::Read | Self::Write => false,
+        }
+    }
 }
 
 /// Layout with buffers as bindings 0, 1, ... all for the stages `visibility`.
@@ -64,9 +78,9 @@ pub(crate) fn layout(
             ty: match kind {
                 Binding::Uniform => wgpu::BufferBindingType::Uniform,
                 Binding::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                Binding::Write => wgpu::BufferBindingType::Storage { read_only: false },
+                _ => wgpu::BufferBindingType::Storage { read_only: false },
             },
-            has_dynamic_offset: matches!(kind, Binding::Uniform),
+            has_dynamic_offset: kind.has_offset(),
             min_binding_size: None,
         })
         .collect();

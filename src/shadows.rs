@@ -84,6 +84,9 @@ pub struct PointShadows {
     workspace: Workspace,
     views: wgpu::Buffer,
     groups: Option<Groups>,
+    /// Items of the last recording that made a map.
+    #[cfg_attr(not(feature = "compare"), expect(dead_code, reason = "only measurements read the counters"))]
+    recorded: usize,
     /// The last stage that is recorded.
     until: Stage,
 }
@@ -201,6 +204,7 @@ impl PointShadows {
             workspace: Workspace::new(device, share, room, records, 1, MOST_ITEMS),
             views: view_buffer(device, capacity),
             groups: None,
+            recorded: 0,
             until: Stage::default(),
         })
     }
@@ -341,6 +345,7 @@ impl PointShadows {
     ) {
         let (first_live, items) = self.plan(due, draw.is_some());
         let count = items.len() as u32;
+        self.recorded = items.len();
         let share = Share::new(&self.shape, casters);
         let mut replaced = self.workspace.fit(device, share, self.lights.count(), count);
         let in_batch = self.workspace.items();
@@ -483,10 +488,10 @@ impl PointShadows {
         self.shape.half_width
     }
 
-    /// Records and jobs that each item of the last recording wanted room for.
+    /// Records and jobs that each item of the last recording wanted room for, and how many items it had.
     #[cfg(feature = "compare")]
-    pub(crate) fn counters(&self) -> &wgpu::Buffer {
-        &self.workspace.state
+    pub(crate) fn counters(&self) -> (&wgpu::Buffer, usize) {
+        (&self.workspace.state, self.recorded)
     }
 
     /// The maps' triangles, `R32Uint`, laid out as [`Self::maps`]: the chunk in bits 8-31 and the place in it in bits 0-7;

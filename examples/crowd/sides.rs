@@ -129,9 +129,9 @@ impl BothSides {
         }
         let shadows = &mut self.shadows[usize::from(way == Way::Kept)];
         shadows.stop_after(match way {
-            Way::Route => Stage::Route,
-            Way::Split => Stage::Split,
-            _ => Stage::Depth,
+            Way::Route => Stage::Cull,
+            Way::Split => Stage::Bin,
+            _ => Stage::Rasterise,
         });
         let most = (way == Way::Casters).then_some(0);
         let options = RecordOptions { most, ..Default::default() };

@@ -36,7 +36,7 @@ pub fn prepare(gpu: &Gpu, arguments: &Arguments) -> anyhow::Result<Vec<Measured>
             let name = entry.name();
             ensure!(entry.method.is_available(gpu), "{name} can't be made, or not right, on {}", gpu.name());
             let resolution = entry.side(arguments);
-            let tolerance = arguments.tolerance.unwrap_or(PointShadowsDescriptor::default().tolerance);
+            let tolerance = arguments.tolerance.unwrap_or(0.1);
             let baseline = Baseline::with_tolerance(&gpu.device, entry.method, resolution, tolerance)?;
             Ok(Measured { entry, resolution, baseline, judged: None, soft: None, time: None })
         })

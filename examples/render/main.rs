@@ -168,16 +168,8 @@ fn make_maps(
 }
 
 fn print_statistics(counted: &Statistics, resolution: u32) {
-    let line = |what: &str, [front, back]: [u32; 2]| {
-        println!("{what:12} {} front, {} back", grouped(front as usize), grouped(back as usize));
-    };
     println!("resolution   2 x {resolution} x {resolution} texels a light");
-    line("drawn whole", counted.drawn);
-    line("split", counted.split);
-    line("into pieces", counted.pieces);
-    if counted.without_room != [0, 0] {
-        line("no room for", counted.without_room);
-    }
+    println!("large        {} triangles, counted in each hemisphere", grouped(counted.large as usize));
 }
 
 /// Puts a small bright ball where each lamp is. It casts no shadow, since the casters are there already.

@@ -27,7 +27,7 @@ pub use vertex_warp::VertexWarp;
 use super::fill;
 use super::gpu::{Evaluator, Gpu, evaluation};
 use super::scene::Scene;
-use crate::{Casters, Error, PointLight, PointShadows, PointShadowsDescriptor, Sides, Stage};
+use crate::{Casters, Error, PointLight, PointShadows, Sides, Stage};
 use glam::Vec3;
 use instanced::PassKind;
 use pair::Pair;
@@ -103,7 +103,7 @@ impl Baseline {
     /// # Errors
     /// [`BaselineError`], for a resolution or a method that the device doesn't allow.
     pub fn new(device: &wgpu::Device, method: Method, resolution: u32) -> Result<Self, BaselineError> {
-        Self::with_tolerance(device, method, resolution, PointShadowsDescriptor::default().tolerance)
+        Self::with_tolerance(device, method, resolution, 0.0)
     }
 
     /// [`Self::new`] with a [tolerance](PointShadowsDescriptor::tolerance), which only [`Method::Paraboloid`] heeds.
@@ -250,7 +250,7 @@ impl Baseline {
 impl Kind {
     fn new(device: &wgpu::Device, method: Method, resolution: u32, tolerance: f32) -> Result<Self, BaselineError> {
         Ok(match method {
-            Method::Paraboloid => Self::Pair(Box::new(Pair::new(device, resolution, tolerance)?)),
+            Method::Paraboloid => Self::Pair(Box::new(Pair::new(device, resolution)?)),
             Method::VertexWarp => Self::VertexWarp(VertexWarp::new(device, resolution)),
             Method::Cube => Self::Cube(Cube::new(device, resolution, Culling::Frustum)),
             Method::CubeUnculled => Self::Cube(Cube::new(device, resolution, Culling::None)),

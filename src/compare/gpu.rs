@@ -298,33 +298,22 @@ fn evaluate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
 /// What the last recording counted, over all its lights.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Statistics {
-    /// Triangles drawn whole: front hemisphere, back hemisphere.
-    pub drawn: [u32; 2],
-    /// Triangles split, front and back.
-    pub split: [u32; 2],
-    /// Pieces drawn in their place.
-    pub pieces: [u32; 2],
-    /// Pieces that found no room; their triangles were drawn exactly.
-    pub without_room: [u32; 2],
+    /// Large triangles that were recorded for the tiles, counted in each hemisphere.
+    pub large: u32,
+    /// Rows of blocks of tiles that were gone through for them.
+    pub jobs: u32,
 }
 
 impl Gpu {
-    /// Counts of the last recording that made a map. Slots of earlier recordings with more lights don't count.
+    /// Counts of the last recording that made a map.
     #[must_use]
     pub fn statistics(&self, shadows: &PointShadows) -> Statistics {
-        let (buffer, jobs) = shadows.counters();
-        let words: Vec<u32> = self.read(buffer);
+        let (state, items) = shadows.counters();
+        let words: Vec<u32> = self.read(state);
         let mut sum = Statistics::default();
-        for slot in words.chunks_exact(crate::view::SLOT as usize / 4).take(jobs) {
-            let arguments: &crate::view::Arguments =
-                bytemuck::from_bytes(&bytemuck::cast_slice(slot)[..size_of::<crate::view::Arguments>()]);
-            for h in 0..2 {
-                let pieces = arguments.pieces[h].vertex_count / 3;
-                sum.drawn[h] += arguments.whole[h].index_count / 3;
-                sum.split[h] += arguments.to_split[h];
-                sum.pieces[h] += pieces;
-                sum.without_room[h] += arguments.pieces_wanted[h] - pieces;
-            }
+        for item in words.chunks_exact(2).take(items) {
+            sum.large += item[0];
+            sum.jobs += item[1];
         }
         sum
     }

@@ -86,14 +86,19 @@ impl Map {
 
     /// The texels whose centres are within `radius` of the middle of their map.
     pub fn within(&self, radius: f32) -> impl Iterator<Item = Texel> {
+        self.texels().filter(move |texel| texel.p.length() <= radius)
+    }
+
+    /// All texels, row by row.
+    pub fn texels(&self) -> impl Iterator<Item = Texel> {
         let size = self.resolution;
-        (0..2 * size * size).filter_map(move |index| {
+        (0..2 * size * size).map(move |index| {
             let (column, j) = (index % (2 * size), index / (2 * size));
             let (back, i) = (column >= size, column % size);
             let half = 0.5 * size as f32;
             let p = Vec2::new(i as f32 + 0.5 - half, half - j as f32 - 0.5) * self.texel();
             let depth = self.depth[index as usize];
-            (p.length() <= radius).then_some(Texel { back, p, depth })
+            Texel { back, p, depth }
         })
     }
 

@@ -129,8 +129,6 @@ fn the_callers_own_are_the_same_to_the_bit() {
         let longest = a.angle_between(b).max(b.angle_between(c)).max(c.angle_between(a));
         assert!(longest <= shadows.caster_angle_limit(), "{longest}");
     }
-    let split: u32 = gpu().statistics(&shadows).split.iter().sum();
-    assert!((1..=2).contains(&split), "the plate alone is meant to be split, not {split} triangles");
     // Outside of the discs the library draws less, and nothing is looked up.
     let expected = Map::read(&shadows, light);
     for keep_static in [false, true] {

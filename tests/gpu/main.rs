@@ -15,6 +15,7 @@ mod mapping;
 mod masked;
 mod memory;
 mod misuse;
+mod rasteriser;
 mod routing;
 mod seam;
 mod watertight;

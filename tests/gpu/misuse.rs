@@ -107,8 +107,6 @@ fn descriptors() {
         ("capacity", PointShadowsDescriptor { capacity: 100_000, ..good }),
         ("resolution", PointShadowsDescriptor { resolution: 0, ..good }),
         ("resolution", PointShadowsDescriptor { resolution: widest, ..good }),
-        ("tolerance", PointShadowsDescriptor { tolerance: 0.0, ..good }),
-        ("tolerance", PointShadowsDescriptor { tolerance: f32::NAN, ..good }),
         ("guard", PointShadowsDescriptor { guard: -1.0, ..good }),
     ];
     for (name, descriptor) in wrong {

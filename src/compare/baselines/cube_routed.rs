@@ -10,7 +10,7 @@ use super::lookup::ConstantBias;
 use crate::casters::{Casters, VERTEX_SIZE};
 use crate::gpu::{self, Binding};
 use crate::light::PointLight;
-use crate::view::{DrawIndexed, SLOT};
+use crate::view::SLOT;
 use glam::Vec3;
 
 const CASTERS: &str = include_str!("../../../shaders/casters.wgsl");
@@ -43,6 +43,17 @@ struct RouteView {
     end_chunk: u32,
     list_capacity: u32,
     padding: [u32; 3],
+}
+
+/// Arguments of an indirect indexed draw.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+struct DrawIndexed {
+    index_count: u32,
+    instance_count: u32,
+    first_index: u32,
+    base_vertex: u32,
+    first_instance: u32,
 }
 
 /// The faces' draws, whose counts the route fills in.
@@ -84,7 +95,7 @@ impl CubeRouted {
         Self {
             lookup: CubeLookup::new(device, &map),
             map,
-            route: gpu::compute_pipeline(device, "cube_route", &module, Some(&route_layout), &[]),
+            route: gpu::compute_pipeline(device, "cube_route", &module, &[&route_layout], &[]),
             route_layout,
             depth: depth_pipeline(device, &face_layout, faces),
             face_group: gpu::bind_group(device, "compare::faces", &face_layout, &[face_view]),

@@ -12,8 +12,8 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    pub(super) fn new(device: &wgpu::Device, resolution: u32, tolerance: f32) -> Result<Self, Error> {
-        let descriptor = PointShadowsDescriptor { capacity: 1, resolution, tolerance, ..Default::default() };
+    pub(super) fn new(device: &wgpu::Device, resolution: u32) -> Result<Self, Error> {
+        let descriptor = PointShadowsDescriptor { capacity: 1, resolution, ..Default::default() };
         let mut shadows = PointShadows::new(device, &descriptor)?;
         let light = shadows.add(PointLight::default())?;
         Ok(Self { shadows, light })

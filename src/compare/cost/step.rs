@@ -57,10 +57,10 @@ impl Subject<'_> {
             contender.errors = self.errors(&mut contender.baseline)?;
         }
         // Recordings that stop early come last.
-        let whole = (0..contenders.len()).map(|index| (index, Stage::Depth));
+        let whole = (0..contenders.len()).map(|index| (index, Stage::Rasterise));
         let mut ways: Vec<(usize, Stage)> = whole.collect();
         let own = contenders.iter().position(|contender| contender.baseline.method() == Method::Paraboloid);
-        ways.extend(own.into_iter().flat_map(|index| [(index, Stage::Route), (index, Stage::Split)]));
+        ways.extend(own.into_iter().flat_map(|index| [(index, Stage::Cull), (index, Stage::Bin)]));
         let (times, runs) = self.times(plan, &mut contenders, &ways)?;
         let stages = own.map(|index| stages(&times[index], &times[contenders.len()..]));
         let costs = contenders.into_iter().zip(&times).map(|(contender, times)| {
