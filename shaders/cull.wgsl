@@ -22,8 +22,7 @@ var<workgroup> large_count: atomic<u32>;
 var<workgroup> job_count: atomic<u32>;
 var<workgroup> record_base: u32;
 var<workgroup> job_base: u32;
-var<workgroup> drawn: array<atomic<u32>, 8>;
-var<workgroup> deferred: array<atomic<u32>, 8>;
+var<workgroup> bits: array<atomic<u32>, 16>;
 
 @compute @workgroup_size(THREADS)
 fn cull(
@@ -43,10 +42,6 @@ fn cull(
         let squares = select(squares_of_chunk(view, source, bounds), 0u, faces_away);
         if (squares & (1u << group.y)) != 0u {
             cull_chunk(view, chunk, source, bounds, rule, vertex, packed, group.y, thread);
-        } else {
-            for (var word = thread; word < CHUNK_BITS; word += THREADS) {
-                atomicStore(&state[bits_of(view, chunk, group.y) + word], 0u);
-            }
         }
     }
 }
@@ -93,9 +88,8 @@ fn cull_chunk(
         atomicStore(&large_count, 0u);
         atomicStore(&job_count, 0u);
     }
-    for (var word = thread; word < 8u; word += THREADS) {
-        atomicStore(&drawn[word], 0u);
-        atomicStore(&deferred[word], 0u);
+    for (var word = thread; word < LISTS * CHUNK_BITS; word += THREADS) {
+        atomicStore(&bits[word], 0u);
     }
     place_corners(view, source, vertex, square, thread);
     workgroupBarrier();
@@ -117,11 +111,28 @@ fn cull_chunk(
     }
     record_large(view, chunk, source, square, thread, atomicLoad(&large_count));
     workgroupBarrier();
-    for (var word = thread; word < 8u; word += THREADS) {
-        let at = bits_of(view, chunk, square) + word;
-        atomicStore(&state[at], atomicLoad(&drawn[word]));
-        atomicStore(&state[at + BITS_DEFERRED], atomicLoad(&deferred[word]));
+    for (var list = thread; list < LISTS; list += THREADS) {
+        note_bits(view, SQUARES * chunk + square, list, is_masked);
     }
+}
+
+// Hands a chunk's bits on, if there are any. Masked chunks are drawn later, and get theirs then.
+fn note_bits(view: View, part: u32, list: u32, is_masked: bool) {
+    let at = bits_of(view, part, list);
+    var all = 0u;
+    for (var word = 0u; word < CHUNK_BITS; word += 1u) {
+        let own = atomicLoad(&bits[list * CHUNK_BITS + word]);
+        atomicStore(&state[at + word], own);
+        all |= own;
+    }
+    if all != 0u || is_masked {
+        let place = atomicAdd(&state[view.counters + COUNTER_LISTS + list], 1u);
+        atomicStore(&state[list_of(view, list) + place], part);
+    }
+}
+
+fn set_bit(list: u32, t: u32) {
+    atomicOr(&bits[list * CHUNK_BITS + t / 32u], 1u << (t % 32u));
 }
 
 // Whether a triangle is left out, drawn at once, or recorded. Where `cull` isn't 0, those that face away don't cast; it is
@@ -143,17 +154,18 @@ fn sort_triangle(view: View, t: u32, local: vec3<u32>, is_masked: bool, cull: f3
         }
         is_large = max(size.x, size.y) >= SMALL;
     }
-    if cull != 0.0 {
+    if cull != 0.0 || is_large {
         let x = places[local.x];
         let n = triangle_normal(x, places[local.y], places[local.z]);
-        if dot(n, x) * cull > 1e-6 * length(n) * length(x) {
+        let d = dot(n, x);
+        if d == 0.0 || d * cull > 1e-6 * length(n) * length(x) {
             return;
         }
     }
     if is_masked {
-        atomicOr(&deferred[t / 32u], 1u << (t % 32u));
+        set_bit(LIST_DEFERRED, t);
     } else if is_large {
-        atomicOr(&deferred[t / 32u], 1u << (t % 32u));
+        set_bit(LIST_DEFERRED, t);
         large[atomicAdd(&large_count, 1u)] = t;
     } else {
         enqueue(t, u32(box.high.y - box.low.y + 1));
@@ -165,6 +177,9 @@ fn draw_row(view: View, source: ChunkSource, square: u32, row: u32, count: u32) 
     let t = entry & 0xffu;
     let local = corners_of(triangles[source.triangle + t]);
     let triangle = triangle_of(view.near, places[local.x], places[local.y], places[local.z]);
+    if triangle.is_edge_on {
+        return;
+    }
     let box = box_of(view, corners[local.x], corners[local.y], corners[local.z]);
     let y = box.low.y + i32(row - (entry >> 8u));
     let v = texel_v(view, f32(y));
@@ -183,7 +198,7 @@ fn draw_row(view: View, source: ChunkSource, square: u32, row: u32, count: u32) 
         }
     }
     if wins {
-        atomicOr(&drawn[t / 32u], 1u << (t % 32u));
+        set_bit(LIST_DRAWN, t);
     }
 }
 

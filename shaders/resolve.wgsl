@@ -21,9 +21,9 @@ override BANDS: u32 = 1u;
 const SAME_DEPTH: f32 = 1e-6;
 const SAME_EDGE: f32 = 1e-6;
 
-var<workgroup> chosen: array<u32, 8>;
-var<workgroup> any_chosen: u32;
-var<workgroup> wins: array<atomic<u32>, 8>;
+var<workgroup> parts: u32;
+var<workgroup> chosen: array<u32, CHUNK_BITS>;
+var<workgroup> wins: array<atomic<u32>, CHUNK_BITS>;
 
 @compute @workgroup_size(THREADS)
 fn resolve(
@@ -32,38 +32,56 @@ fn resolve(
     @builtin(local_invocation_index) thread: u32,
 ) {
     let view = views[group.z];
-    let square = group.y % SQUARES;
-    for (var chunk = group.x; chunk < view.end_chunk; chunk += groups.x) {
-        let source = chunk_sources[chunk];
-        if thread == 0u {
-            any_chosen = choose(view, source, chunk, square);
-            atomicStore(&queued, 0u);
-        }
-        if workgroupUniformLoad(&any_chosen) != 0u {
-            resolve_chunk(view, source, chunk, square, group.y / SQUARES, thread);
-        }
+    if thread == 0u {
+        parts = count_parts(view);
+    }
+    let count = workgroupUniformLoad(&parts);
+    for (var i = group.x; i < count; i += groups.x) {
+        resolve_part(view, part_at(view, i), group.y, thread);
     }
 }
 
-// Notes which of a chunk's triangles this is about, and returns whether any is.
-fn choose(view: View, source: ChunkSource, chunk: u32, square: u32) -> u32 {
-    let has_overflown = atomicLoad(&state[view.counters + COUNTER_RECORDS]) > view.record_capacity
+fn list_length(view: View, list: u32) -> u32 {
+    return atomicLoad(&state[view.counters + COUNTER_LISTS + list]);
+}
+
+fn has_overflown(view: View) -> bool {
+    return atomicLoad(&state[view.counters + COUNTER_RECORDS]) > view.record_capacity
         || atomicLoad(&state[view.counters + COUNTER_JOBS]) > view.job_capacity;
-    let draws = has_overflown || (kind(source) & KIND_MASKED) != 0u;
-    if !NUMBERS && !draws {
-        return 0u;
-    }
-    let at = bits_of(view, chunk, square) + select(BITS_DEFERRED, 0u, NUMBERS);
-    var all = 0u;
-    for (var word = 0u; word < 8u; word += 1u) {
-        chosen[word] = atomicLoad(&state[at + word]);
-        atomicStore(&wins[word], 0u);
-        all |= chosen[word];
-    }
-    return all;
 }
 
-fn resolve_chunk(view: View, source: ChunkSource, chunk: u32, square: u32, band: u32, thread: u32) {
+// Parts of chunks to go through: to draw, those with triangles that were put off; to number, those with triangles that won
+// and, after an overflow, those that were put off too.
+fn count_parts(view: View) -> u32 {
+    let deferred = list_length(view, LIST_DEFERRED);
+    if NUMBERS {
+        return list_length(view, LIST_DRAWN) + select(0u, deferred, has_overflown(view));
+    }
+    return deferred;
+}
+
+fn part_at(view: View, i: u32) -> u32 {
+    let drawn = select(0u, list_length(view, LIST_DRAWN), NUMBERS);
+    if i < drawn {
+        return atomicLoad(&state[list_of(view, LIST_DRAWN) + i]);
+    }
+    return atomicLoad(&state[list_of(view, LIST_DEFERRED) + i - drawn]);
+}
+
+fn resolve_part(view: View, part: u32, band: u32, thread: u32) {
+    let chunk = part / SQUARES;
+    let square = part % SQUARES;
+    let source = chunk_sources[chunk];
+    // Large triangles are the tiles' unless there was no room.
+    let is_asked = NUMBERS || (kind(source) & KIND_MASKED) != 0u || has_overflown(view);
+    if thread == 0u {
+        atomicStore(&queued, 0u);
+    }
+    for (var word = thread; word < CHUNK_BITS; word += THREADS) {
+        let stored = atomicLoad(&state[bits_of(view, part, select(LIST_DEFERRED, LIST_DRAWN, NUMBERS)) + word]);
+        chosen[word] = select(0u, stored, is_asked);
+        atomicStore(&wins[word], 0u);
+    }
     let last = max(vertex_count(source), 1u) - 1u;
     place_corners(view, source, vertices[source.vertex + min(thread, last)].position, square, thread);
     workgroupBarrier();
@@ -83,8 +101,8 @@ fn resolve_chunk(view: View, source: ChunkSource, chunk: u32, square: u32, band:
     }
     workgroupBarrier();
     if !NUMBERS {
-        for (var word = thread; word < 8u; word += THREADS) {
-            atomicOr(&state[bits_of(view, chunk, square) + word], atomicLoad(&wins[word]));
+        for (var word = thread; word < CHUNK_BITS; word += THREADS) {
+            atomicOr(&state[bits_of(view, part, LIST_DRAWN) + word], atomicLoad(&wins[word]));
         }
     }
 }
@@ -110,6 +128,9 @@ fn resolve_row(view: View, source: ChunkSource, chunk: u32, square: u32, rows: v
     let t = entry & 0xffu;
     let local = corners_of(triangles[source.triangle + t]);
     let triangle = triangle_at(view, local);
+    if triangle.is_edge_on {
+        return;
+    }
     let box = box_in_band(view, source, t, rows);
     let y = box.low.y + i32(row - (entry >> 8u));
     let v = texel_v(view, f32(y));

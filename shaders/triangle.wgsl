@@ -18,6 +18,8 @@ struct Triangle {
     e2: vec3<f32>,
     // The depth at q is the product with this.
     plane: vec3<f32>,
+    // The light lies in its plane: it covers nothing.
+    is_edge_on: bool,
 }
 
 // Texels of a map, ends included; none if an upper bound is below its lower one.
@@ -56,13 +58,12 @@ fn triangle_normal(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     return cross(e, select(f, -g, squares.y >= squares.z));
 }
 
-// A triangle by its corners in the map's space. One that the light lies in the plane of covers nothing: its depth is 0.
+// A triangle by its corners in the map's space.
 fn triangle_of(near: f32, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Triangle {
     let n = triangle_normal(a, b, c);
     let d = dot(n, a);
     let s = sign(d);
-    let plane = select(vec3<f32>(0.0), n * (near / d), d != 0.0);
-    return Triangle(s * edge_normal(a, b), s * edge_normal(b, c), s * edge_normal(c, a), plane);
+    return Triangle(s * edge_normal(a, b), s * edge_normal(b, c), s * edge_normal(c, a), n * (near / d), d == 0.0);
 }
 
 // Texels whose centres a triangle may cover. `a`, `b` and `c` are `projected`.

@@ -63,16 +63,27 @@ const BLOCK: u32 = 8u;
 const RECORD: u32 = 4u;
 const SQUARE_SHIFT: u32 = 29u;
 
-// An item's counters: records and jobs wanted, whether there was room or not.
+// An item's counters: records and jobs wanted, whether there was room or not, and entries of the lists below.
 const COUNTER_RECORDS: u32 = 0u;
 const COUNTER_JOBS: u32 = 1u;
+const COUNTER_LISTS: u32 = 2u;
 
-// Words of bits for a chunk and hemisphere: of its triangles those that were drawn, and those that were put off.
-const CHUNK_BITS: u32 = 16u;
-const BITS_DEFERRED: u32 = 8u;
+// Of a chunk as one map sees it, bits of its triangles: in the first list those that won a texel when they were drawn, in the
+// second those that were put off.
+const LIST_DRAWN: u32 = 0u;
+const LIST_DEFERRED: u32 = 1u;
+const LISTS: u32 = 2u;
+// Words of either.
+const CHUNK_BITS: u32 = 8u;
 
-fn bits_of(view: View, chunk: u32, hemisphere: u32) -> u32 {
-    return view.first_bits + (2u * chunk + hemisphere) * CHUNK_BITS;
+// Where a chunk's bits are; its part is `SQUARES` times its number and its map.
+fn bits_of(view: View, part: u32, list: u32) -> u32 {
+    return view.first_bits + (part * LISTS + list) * CHUNK_BITS;
+}
+
+// Where a list of the chunks' parts that have bits begins.
+fn list_of(view: View, list: u32) -> u32 {
+    return view.first_bits + SQUARES * view.end_chunk * (LISTS * CHUNK_BITS + list);
 }
 
 // Map coordinates of a texel's centre.

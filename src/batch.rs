@@ -40,8 +40,8 @@ const BLOCK: u32 = 8;
 const MOST_RECORDS: u64 = 1 << 18;
 /// Jobs of the binning that there is room for however few records.
 const FEWEST_JOBS: u64 = 1 << 16;
-/// Words of bits of a chunk: of both hemispheres, twin of `CHUNK_BITS`.
-const BITS: u32 = 2 * 16;
+/// Words of a chunk's bits, of both lists and hemispheres, and of its entries in the lists; twins of `CHUNK_BITS` and others.
+const BITS: u32 = 2 * 2 * (8 + 1);
 /// Bytes of the workspace of a batch of several items.
 const BATCH_BYTES: u64 = 128 << 20;
 
@@ -101,9 +101,9 @@ mod tests {
 
     #[test]
     fn batches_are_as_large_as_there_is_room() {
-        let share = Share { tiles: 8192, records: 64, jobs: 1024, bits: 32, overflows: false };
+        let share = Share { tiles: 8192, records: 64, jobs: 1024, bits: 36, overflows: false };
         // 8192 tiles of 2048 + 8 + 512 bytes, and 8320 bytes.
-        assert_eq!(share.bytes(128), 8192 * 2568 + 4096 + 4096 + 128);
+        assert_eq!(share.bytes(128), 8192 * 2568 + 4096 + 4096 + 144);
         assert_eq!(share.items(64, 128, 128 << 20), 6);
         assert_eq!(share.items(3, 128, 128 << 20), 3);
         assert_eq!(share.items(64, 128, 8 << 20), 1);

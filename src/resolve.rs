@@ -73,8 +73,8 @@ impl Resolve {
         let pipelines = [has_deferred.then_some(&self.deferred), Some(&self.numbers)];
         for pipeline in pipelines.into_iter().flatten() {
             pass.set_pipeline(pipeline);
-            let groups = chunks.clamp(1, self.workgroups.most_groups());
-            pass.dispatch_workgroups(groups, 2 * self.workgroups.bands(), items);
+            let groups = (2 * chunks).clamp(1, self.workgroups.most_groups());
+            pass.dispatch_workgroups(groups, self.workgroups.bands(), items);
         }
     }
 }

@@ -95,8 +95,10 @@ pub struct PointShadows {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[cfg_attr(not(feature = "compare"), expect(dead_code, reason = "only measurements stop before the last stage"))]
 pub enum Stage {
-    /// Leaving out, drawing what is small, recording what is large, and numbering.
+    /// Leaving out, drawing what is small, recording what is large.
     Cull,
+    /// Drawing what was put off, and numbering texels.
+    Resolve,
     /// Which tiles large triangles touch.
     Bin,
     /// From tiles to maps.
@@ -187,7 +189,7 @@ impl PointShadows {
         let Tuning { reject, workgroups, small, room, records } = *tuning;
         let shape = MapShape::new(resolution, guard);
         let maps = Maps::new(device, capacity, resolution, keep_static);
-        let share = Share { tiles: 2 * shape.tiles() * shape.tiles(), records: 64, jobs: 64, bits: 32, overflows: false };
+        let share = Share { tiles: 2 * shape.tiles() * shape.tiles(), records: 64, jobs: 64, bits: 36, overflows: false };
         Ok(Self {
             shape,
             capacity,
@@ -370,7 +372,7 @@ impl PointShadows {
             let target = if batch.start < first_live { Target::Static } else { Target::Live };
             self.record_batch(encoder, casters, batch, target);
         }
-        if self.until < Stage::Rasterise {
+        if self.until < Stage::Rasterise && std::env::var("DP_KEEP").is_err() {
             self.workspace.clear(encoder);
         }
     }
@@ -399,7 +401,9 @@ impl PointShadows {
         });
         self.cull.record(&mut pass, &groups.cull, first, items, chunks);
         let has_deferred = share.overflows || casters.triangles_of(MASKED) > 0;
-        self.resolve.record(&mut pass, &groups.resolve, first, items, chunks, has_deferred);
+        if self.until >= Stage::Resolve {
+            self.resolve.record(&mut pass, &groups.resolve, first, items, chunks, has_deferred);
+        }
         if self.until >= Stage::Bin {
             self.bin.record(&mut pass, &groups.bin, first, items, share.jobs);
         }
@@ -493,6 +497,11 @@ impl PointShadows {
     pub(crate) fn counters(&self) -> (&wgpu::Buffer, usize) {
         (&self.workspace.state, self.recorded)
     }
+
+    /// debug
+    #[cfg(feature = "compare")]
+    #[must_use]
+    pub fn tile_counters(&self) -> &wgpu::Buffer { &self.workspace.tiles }
 
     /// The maps' triangles, `R32Uint`, laid out as [`Self::maps`]: the chunk in bits 8-31 and the place in it in bits 0-7;
     /// all bits set where there is none.

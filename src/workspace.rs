@@ -4,7 +4,7 @@ use crate::batch::{MOST_ITEMS, Share, TILE};
 use crate::gpu;
 
 /// Words of an item's counters; twins in `shaders/view.wgsl`.
-const COUNTERS: u32 = 2;
+const COUNTERS: u32 = 4;
 
 /// Buffers that the stages share.
 #[derive(Debug)]

@@ -60,7 +60,7 @@ impl Subject<'_> {
         let whole = (0..contenders.len()).map(|index| (index, Stage::Rasterise));
         let mut ways: Vec<(usize, Stage)> = whole.collect();
         let own = contenders.iter().position(|contender| contender.baseline.method() == Method::Paraboloid);
-        ways.extend(own.into_iter().flat_map(|index| [(index, Stage::Cull), (index, Stage::Bin)]));
+        ways.extend(own.into_iter().flat_map(|index| [(index, Stage::Cull), (index, Stage::Resolve)]));
         let (times, runs) = self.times(plan, &mut contenders, &ways)?;
         let stages = own.map(|index| stages(&times[index], &times[contenders.len()..]));
         let costs = contenders.into_iter().zip(&times).map(|(contender, times)| {
