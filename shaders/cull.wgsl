@@ -155,9 +155,9 @@ fn sort_triangle(view: View, t: u32, local: vec3<u32>, is_masked: bool, cull: f3
         is_large = max(size.x, size.y) >= SMALL;
     }
     if cull != 0.0 || is_large {
-        let x = places[local.x];
-        let n = triangle_normal(x, places[local.y], places[local.z]);
-        let d = dot(n, x);
+        let x = relatives[local.x];
+        let n = triangle_normal(x, relatives[local.y], relatives[local.z]);
+        let d = dot(n, nearest_of(x, relatives[local.y], relatives[local.z]));
         if d == 0.0 || d * cull > 1e-6 * length(n) * length(x) {
             return;
         }
@@ -176,7 +176,7 @@ fn draw_row(view: View, source: ChunkSource, square: u32, row: u32, count: u32) 
     let entry = triangle_of_row(row, count);
     let t = entry & 0xffu;
     let local = corners_of(triangles[source.triangle + t]);
-    let triangle = triangle_of(view.near, places[local.x], places[local.y], places[local.z]);
+    let triangle = triangle_of(view, local, square);
     if triangle.is_edge_on {
         return;
     }
@@ -204,7 +204,7 @@ fn draw_row(view: View, source: ChunkSource, square: u32, row: u32, count: u32) 
 
 fn record_large(view: View, chunk: u32, source: ChunkSource, square: u32, thread: u32, count: u32) {
     for (var i = thread; i < count; i += THREADS) {
-        let tiles = tiles_of(view, source, large[i]);
+        let tiles = tiles_of(view, source, large[i], square);
         let blocks = u32(tiles.high.y) / BLOCK - u32(tiles.low.y) / BLOCK + 1u;
         large[i] |= atomicAdd(&job_count, blocks) << 8u;
     }
@@ -217,7 +217,7 @@ fn record_large(view: View, chunk: u32, source: ChunkSource, square: u32, thread
     for (var i = thread; i < count; i += THREADS) {
         let record = record_base + i;
         let t = large[i] & 0xffu;
-        let tiles = tiles_of(view, source, t);
+        let tiles = tiles_of(view, source, t, square);
         let low = u32(tiles.low.y) / BLOCK;
         let high = u32(tiles.high.y) / BLOCK;
         let job = job_base + (large[i] >> 8u);
@@ -233,7 +233,7 @@ fn record_large(view: View, chunk: u32, source: ChunkSource, square: u32, thread
 
 fn write_record(view: View, source: ChunkSource, square: u32, record: u32, number: u32, tiles: Box, t: u32) {
     let local = corners_of(triangles[source.triangle + t]);
-    let triangle = triangle_of(view.near, places[local.x], places[local.y], places[local.z]);
+    let triangle = triangle_of(view, local, square);
     let limits = depth_limits(view.near, corners[local.x], corners[local.y], corners[local.z]);
     let low = vec2<u32>(tiles.low);
     let high = vec2<u32>(tiles.high);
@@ -253,9 +253,9 @@ fn unit(e: vec3<f32>) -> vec3<f32> {
 }
 
 // The tiles that a large triangle may touch.
-fn tiles_of(view: View, source: ChunkSource, t: u32) -> Box {
+fn tiles_of(view: View, source: ChunkSource, t: u32, square: u32) -> Box {
     let local = corners_of(triangles[source.triangle + t]);
-    let triangle = triangle_of(view.near, places[local.x], places[local.y], places[local.z]);
+    let triangle = triangle_of(view, local, square);
     let box = whole_box_of(view, local, triangle);
     let last = vec2<i32>(i32(view.across) - 1);
     return Box(min(box.low / TILE, last), max(box.high, vec2<i32>(0)) / TILE);

@@ -88,7 +88,7 @@ fn resolve_part(view: View, part: u32, band: u32, thread: u32) {
     let rows = band_of(view, band);
     for (var t = thread; t < triangle_count(source); t += THREADS) {
         if (chosen[t / 32u] & (1u << (t % 32u))) != 0u {
-            let box = box_in_band(view, source, t, rows);
+            let box = box_in_band(view, source, t, square, rows);
             if box.high.y >= box.low.y {
                 enqueue(t, u32(box.high.y - box.low.y + 1));
             }
@@ -113,13 +113,9 @@ fn band_of(view: View, band: u32) -> vec2<i32> {
     return vec2<i32>(i32(band) * size, min((i32(band) + 1) * size, i32(view.resolution)) - 1);
 }
 
-fn triangle_at(view: View, local: vec3<u32>) -> Triangle {
-    return triangle_of(view.near, places[local.x], places[local.y], places[local.z]);
-}
-
-fn box_in_band(view: View, source: ChunkSource, t: u32, rows: vec2<i32>) -> Box {
+fn box_in_band(view: View, source: ChunkSource, t: u32, square: u32, rows: vec2<i32>) -> Box {
     let local = corners_of(triangles[source.triangle + t]);
-    let box = whole_box_of(view, local, triangle_at(view, local));
+    let box = whole_box_of(view, local, triangle_of(view, local, square));
     return Box(vec2<i32>(box.low.x, max(box.low.y, rows.x)), vec2<i32>(box.high.x, min(box.high.y, rows.y)));
 }
 
@@ -127,11 +123,11 @@ fn resolve_row(view: View, source: ChunkSource, chunk: u32, square: u32, rows: v
     let entry = triangle_of_row(row, count);
     let t = entry & 0xffu;
     let local = corners_of(triangles[source.triangle + t]);
-    let triangle = triangle_at(view, local);
+    let triangle = triangle_of(view, local, square);
     if triangle.is_edge_on {
         return;
     }
-    let box = box_in_band(view, source, t, rows);
+    let box = box_in_band(view, source, t, square, rows);
     let y = box.low.y + i32(row - (entry >> 8u));
     let v = texel_v(view, f32(y));
     let limits = depth_limits(view.near, corners[local.x], corners[local.y], corners[local.z]);

@@ -3,7 +3,9 @@
 // Threads of a workgroup.
 override THREADS: u32 = 256u;
 
-// Corners of the chunk's triangles: in the map's space, and map coordinates with w (`projected`).
+// Corners of the chunk's triangles: relative to the light along the world's axes, in the map's space, and map coordinates
+// with w (`projected`).
+var<workgroup> relatives: array<vec3<f32>, 256>;
 var<workgroup> places: array<vec3<f32>, 256>;
 var<workgroup> corners: array<vec3<f32>, 256>;
 // Triangles whose rows are drawn: the number of the first row in bits 8-31, the place in the chunk in bits 0-7.
@@ -58,12 +60,32 @@ fn triangle_normal(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     return cross(e, select(f, -g, squares.y >= squares.z));
 }
 
-// A triangle by its corners in the map's space.
-fn triangle_of(near: f32, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Triangle {
-    let n = triangle_normal(a, b, c);
-    let d = dot(n, a);
-    let s = sign(d);
-    return Triangle(s * edge_normal(a, b), s * edge_normal(b, c), s * edge_normal(c, a), n * (near / d), d == 0.0);
+// A triangle of the chunk. Its plane is found before anything is turned, since that rounds: a floor a millimetre under the
+// light may reach for kilometres.
+fn triangle_of(view: View, local: vec3<u32>, square: u32) -> Triangle {
+    let r = relatives[local.x];
+    let s = relatives[local.y];
+    let t = relatives[local.z];
+    let n = triangle_normal(r, s, t);
+    let d = dot(n, nearest_of(r, s, t));
+    let facing = sign(d);
+    let a = places[local.x];
+    let b = places[local.y];
+    let c = places[local.z];
+    return Triangle(
+        facing * edge_normal(a, b),
+        facing * edge_normal(b, c),
+        facing * edge_normal(c, a),
+        square_space(view, n, square) * (view.near / d),
+        d == 0.0,
+    );
+}
+
+// The one of three points that is nearest to the light.
+fn nearest_of(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
+    let squares = vec3<f32>(dot(a, a), dot(b, b), dot(c, c));
+    let nearer = select(b, a, squares.x <= squares.y);
+    return select(c, nearer, min(squares.x, squares.y) <= squares.z);
 }
 
 // Texels whose centres a triangle may cover. `a`, `b` and `c` are `projected`.
@@ -100,7 +122,9 @@ fn place_corners(view: View, source: ChunkSource, vertex: vec3<f32>, square: u32
         if v != thread {
             position = vertices[source.vertex + v].position;
         }
-        let x = square_space(view, position - view.position, square);
+        let relative = position - view.position;
+        let x = square_space(view, relative, square);
+        relatives[v] = relative;
         places[v] = x;
         corners[v] = projected(view, x);
     }

@@ -61,8 +61,8 @@ const NORMAL_BIAS: f32 = 0.025;
 /// Widest map: its tiles are numbered by bytes, and its texels' buffer has 128 MiB.
 const MOST_RESOLUTION: u32 = 4096;
 
-/// Entries of a tile's list of large triangles.
-const ROOM: u32 = 128;
+/// Entries of a tile's list of large triangles; fewer on the widest maps, where the lists fill a binding.
+const ROOM: u32 = 512;
 
 /// Depth maps of point lights, kept up to date with the casters.
 #[derive(Debug)]
@@ -188,8 +188,10 @@ impl PointShadows {
         let PointShadowsDescriptor { capacity, resolution, guard, keep_static } = *descriptor;
         let Tuning { reject, workgroups, small, room, records } = *tuning;
         let shape = MapShape::new(resolution, guard);
+        let tiles = 2 * shape.tiles() * shape.tiles();
+        let room = room.min((device.limits().max_storage_buffer_binding_size / 4 / u64::from(tiles)) as u32).max(1);
         let maps = Maps::new(device, capacity, resolution, keep_static);
-        let share = Share { tiles: 2 * shape.tiles() * shape.tiles(), records: 64, jobs: 64, bits: 36, overflows: false };
+        let share = Share { tiles, records: 64, jobs: 64, bits: 36, overflows: false };
         Ok(Self {
             shape,
             capacity,
