@@ -9,6 +9,7 @@ use crate::chunks::{self, Bounds, Chunk, Culling, Vertex};
 use crate::cone::Cone;
 use crate::deform::{Deformed, Positions};
 use crate::mask::{Mask, MaskedMesh, Masks};
+use crate::neighbours::Beyond;
 use crate::ranges::Ranges;
 use crate::slots::{Handle, Slots};
 use crate::transform::{Moved, Transform};
@@ -196,6 +197,8 @@ pub struct Casters {
     first_change: u64,
     pub(crate) local_vertices: Arena,
     pub(crate) triangles: Arena,
+    /// What lies beyond the three edges of each of `triangles`.
+    pub(crate) neighbours: Arena,
     pub(crate) vertices: Arena,
     pub(crate) chunk_sources: Arena,
     pub(crate) chunk_bounds: Arena,
@@ -223,6 +226,7 @@ impl Casters {
             first_change: 0,
             local_vertices: arena("mesh vertices", VERTEX_SIZE, wgpu::BufferUsages::empty()),
             triangles: arena("triangles", 4, wgpu::BufferUsages::empty()),
+            neighbours: arena("neighbours", size_of::<[Beyond; 3]>() as u64, wgpu::BufferUsages::empty()),
             vertices: arena("vertices", VERTEX_SIZE, wgpu::BufferUsages::VERTEX),
             chunk_sources: arena("chunks", size_of::<ChunkSource>() as u64, wgpu::BufferUsages::empty()),
             chunk_bounds: arena("chunk bounds", CHUNK_BOUNDS_SIZE, wgpu::BufferUsages::empty()),
@@ -251,7 +255,8 @@ impl Casters {
     }
 
     fn arenas(&self) -> impl Iterator<Item = &Arena> {
-        let own = [&self.local_vertices, &self.triangles, &self.vertices, &self.chunk_sources, &self.chunk_bounds];
+        let Self { local_vertices, triangles, neighbours, vertices, chunk_sources, chunk_bounds, .. } = self;
+        let own = [local_vertices, triangles, neighbours, vertices, chunk_sources, chunk_bounds];
         own.into_iter().chain(self.masks.arenas())
     }
 
@@ -283,6 +288,7 @@ impl Casters {
         let first_triangle = self.triangle_ranges.allocate(triangles);
         self.local_vertices.write(first_vertex, bytemuck::cast_slice(&cut.vertices));
         self.triangles.write(first_triangle, bytemuck::cast_slice(&cut.triangles));
+        self.neighbours.write(first_triangle, bytemuck::cast_slice(&cut.neighbours));
         let mesh = Mesh {
             first_vertex,
             vertex_count: vertices,
@@ -496,6 +502,7 @@ impl Casters {
         let (vertices, chunks) = (self.vertex_ranges.end(), self.chunk_ranges.end());
         self.local_vertices.update(device, queue, encoder, local);
         self.triangles.update(device, queue, encoder, triangles);
+        self.neighbours.update(device, queue, encoder, triangles);
         self.vertices.update(device, queue, encoder, vertices);
         self.chunk_sources.update(device, queue, encoder, chunks);
         self.chunk_bounds.update(device, queue, encoder, chunks);

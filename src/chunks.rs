@@ -3,7 +3,9 @@
 
 use crate::casters::{CasterMesh, Indices, Sides};
 use crate::cone::Cone;
+use crate::neighbours::{Beyond, Edges, Neighbours, Triangles};
 use glam::{DVec3, Vec3};
+use std::borrow::Cow;
 
 /// Most triangles and most vertices in a chunk: a corner of a triangle is then one byte.
 pub(crate) const CHUNK_SIZE: usize = 256;
@@ -79,6 +81,10 @@ pub(crate) struct ChunkedMesh {
     pub(crate) texture_coordinates: Vec<[f32; 2]>,
     /// A triangle's corners as places in its chunk's run of vertices: bits 0-7, 8-15, 16-23.
     pub(crate) triangles: Vec<u32>,
+    /// What lies beyond each edge of a triangle, from its first corner to its second one on.
+    pub(crate) neighbours: Vec<[Beyond; 3]>,
+    /// The triangles' numbers in the mesh.
+    pub(crate) numbers: Vec<u32>,
     pub(crate) chunks: Vec<Chunk>,
     pub(crate) bounds: Bounds,
 }
@@ -89,40 +95,48 @@ struct Triangle {
     corners: [u32; 3],
     centre: Vec3,
     closed: bool,
+    /// Number of one of the piece's triangles.
     piece: u32,
     /// Its number in the mesh.
     number: u32,
+    /// Whether the order of its corners has been reversed.
+    turned: bool,
 }
 
 /// Cuts a mesh whose values have been checked. Triangles of no area are left out: they cast nothing.
 pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
-    let Welded { positions, corners, sources } = weld(mesh);
+    let Welded { positions, corners, drawn, places, sources } = weld(mesh);
     let mut triangles: Vec<Triangle> = corners
-        .into_iter()
+        .iter()
         .zip(0..)
-        .map(|(c, number)| Triangle {
-            corners: c,
-            centre: (positions[c[0] as usize] + positions[c[1] as usize] + positions[c[2] as usize]) / 3.0,
-            closed: false,
-            piece: 0,
-            number,
+        .filter(|(_, number)| drawn[*number as usize])
+        .map(|(&corners, number)| {
+            let [a, b, c] = corners.map(|vertex| positions[vertex as usize]);
+            Triangle { corners, centre: (a + b + c) / 3.0, closed: false, piece: 0, number, turned: false }
         })
         .collect();
+    let by_place = corners_by_place(&corners, &places);
+    let edges = Edges::new(&by_place, positions.len());
     // Holes show back faces, and what is turned away now may not be later.
     let plain = mesh.mask.is_none() && !mesh.deforms;
     let closes = mesh.sides == Sides::Auto && plain;
-    let pieces = if closes { find_closed_pieces(&positions, &mut triangles) } else { Vec::new() };
+    let pieces = if closes { find_closed_pieces(&positions, &mut triangles, &edges, &drawn) } else { Vec::new() };
 
+    let neighbours = Neighbours::new(&Triangles { positions: &positions, corners: &corners, drawn: &drawn }, &edges);
+    drop(edges);
     let mut cutter = Cutter {
         positions: &positions,
         pieces: &pieces,
         always: mesh.sides == Sides::Front,
         local: vec![u32::MAX; positions.len()],
         welded: Vec::new(),
+        turned: Vec::new(),
         out: ChunkedMesh {
             vertices: Vec::new(),
             texture_coordinates: Vec::new(),
             triangles: Vec::new(),
+            neighbours: Vec::new(),
+            numbers: Vec::new(),
             chunks: Vec::new(),
             bounds: Bounds::EMPTY,
         },
@@ -131,6 +145,7 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
     let (closed, open) = triangles.split_at_mut(split);
     cutter.cut(closed);
     cutter.cut(open);
+    cutter.place_neighbours(&neighbours, corners.len());
     if plain {
         cutter.bound_normals();
     }
@@ -157,10 +172,22 @@ fn closed_first(triangles: &mut [Triangle]) -> usize {
 /// A mesh's vertices without repetition.
 struct Welded {
     positions: Vec<Vec3>,
-    /// The triangles of some area; if the mesh deforms, all of three vertices.
+    /// The triangles, by their numbers in the mesh.
     corners: Vec<[u32; 3]>,
+    /// Those of some area; if the mesh deforms, all of three vertices.
+    drawn: Vec<bool>,
+    /// For each vertex the first one of the same position.
+    places: Vec<u32>,
     /// One of the mesh's positions that each is.
     sources: Vec<u32>,
+}
+
+/// The triangles with vertices of the same position taken for one.
+fn corners_by_place<'a>(corners: &'a [[u32; 3]], places: &[u32]) -> Cow<'a, [[u32; 3]]> {
+    if places.iter().zip(0..).all(|(place, vertex)| *place == vertex) {
+        return corners.into();
+    }
+    corners.iter().map(|corners| corners.map(|vertex| places[vertex as usize])).collect()
 }
 
 /// Joins vertices of the same position and, if the mesh is masked, of the same texture coordinates. Those of a mesh
@@ -175,11 +202,13 @@ fn weld(mesh: &CasterMesh) -> Welded {
     let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     order.sort_unstable_by_key(|&v| (key(v), v));
     let mut welded = vec![0u32; order.len()];
-    let (mut positions, mut sources) = (Vec::new(), Vec::new());
+    let (mut positions, mut places, mut sources) = (Vec::new(), Vec::new(), Vec::new());
     let mut last = None;
     for &v in &order {
         let bits = key(v);
         if last != Some(bits) {
+            let is_same_place = last.is_some_and(|(position, ..)| position == bits.0);
+            places.push(if is_same_place { places[places.len() - 1] } else { places.len() as u32 });
             positions.push(Vec3::from_array(bits.0.map(f32::from_bits)));
             sources.push(v);
             last = Some(bits);
@@ -194,63 +223,48 @@ fn weld(mesh: &CasterMesh) -> Welded {
         let [a, b, c] = c.map(|v| positions[v as usize].as_dvec3());
         (b - a).cross(c - a) != DVec3::ZERO
     };
-    let corners = match mesh.indices {
-        Indices::U16(list) => {
-            list.as_chunks().0.iter().map(|i: &[u16; 3]| triangle(i.map(u32::from))).filter(casts).collect()
-        }
-        Indices::U32(list) => list.as_chunks().0.iter().map(|&i: &[u32; 3]| triangle(i)).filter(casts).collect(),
+    let corners: Vec<[u32; 3]> = match mesh.indices {
+        Indices::U16(list) => list.as_chunks().0.iter().map(|i: &[u16; 3]| triangle(i.map(u32::from))).collect(),
+        Indices::U32(list) => list.as_chunks().0.iter().map(|&i: &[u32; 3]| triangle(i)).collect(),
     };
-    Welded { positions, corners, sources }
-}
-
-/// One direction of a triangle's edge.
-#[derive(Clone, Copy)]
-struct HalfEdge {
-    ends: [u32; 2],
-    reversed: bool,
-    triangle: u32,
-}
-
-fn half_edges(triangles: &[Triangle]) -> Vec<HalfEdge> {
-    let mut edges = Vec::with_capacity(triangles.len() * 3);
-    for (t, triangle) in triangles.iter().enumerate() {
-        let [a, b, c] = triangle.corners;
-        for [from, to] in [[a, b], [b, c], [c, a]] {
-            edges.push(HalfEdge { ends: [from.min(to), from.max(to)], reversed: from > to, triangle: t as u32 });
-        }
-    }
-    edges.sort_unstable_by_key(|e| e.ends);
-    edges
+    let drawn = corners.iter().map(casts).collect();
+    Welded { positions, corners, drawn, places, sources }
 }
 
 /// Finds the pieces that triangles connected by edges make, marks those of closed ones (every edge shared by
 /// two opposite half-edges) and turns them outward. Returns the bounds of every piece.
-fn find_closed_pieces(positions: &[Vec3], triangles: &mut [Triangle]) -> Vec<Bounds> {
-    let edges = half_edges(triangles);
-    let mut union = UnionFind::new(triangles.len());
-    for pair in edges.windows(2) {
-        if pair[0].ends == pair[1].ends {
-            union.join(pair[0].triangle, pair[1].triangle);
+fn find_closed_pieces(positions: &[Vec3], triangles: &mut [Triangle], edges: &Edges, drawn: &[bool]) -> Vec<Bounds> {
+    let mut union = UnionFind::new(drawn.len());
+    let mut open = Vec::new();
+    edges.for_each(|group| {
+        let mut sharing = group.iter().filter(|half_edge| drawn[half_edge.triangle()]);
+        let Some(first) = sharing.next() else { return };
+        let (mut count, mut opposite) = (1, false);
+        for other in sharing {
+            union.join(first.triangle() as u32, other.triangle() as u32);
+            count += 1;
+            opposite = edges.are_opposite(*first, *other);
         }
-    }
-    let mut closed = vec![true; triangles.len()];
-    for group in edges.chunk_by(|a, b| a.ends == b.ends) {
-        let opposite = group.len() == 2 && group[0].reversed != group[1].reversed;
-        if !opposite {
-            closed[union.find(group[0].triangle) as usize] = false;
+        if !(count == 2 && opposite) {
+            open.push(first.triangle() as u32);
         }
+    });
+    let mut closed = vec![true; drawn.len()];
+    for triangle in open {
+        closed[union.find(triangle) as usize] = false;
     }
-    let mut volumes = vec![0.0f64; triangles.len()];
-    let mut bounds = vec![Bounds::EMPTY; triangles.len()];
-    for t in 0..triangles.len() {
-        let piece = union.find(t as u32);
-        triangles[t].piece = piece;
-        let corners = triangles[t].corners.map(|v| positions[v as usize]);
+    let mut volumes = vec![0.0f64; drawn.len()];
+    let mut bounds = vec![Bounds::EMPTY; drawn.len()];
+    // Relative to a corner of the piece, so that a piece far from the origin keeps its sign.
+    let mut origins = vec![None; drawn.len()];
+    for triangle in &mut *triangles {
+        let piece = union.find(triangle.number);
+        triangle.piece = piece;
+        let corners = triangle.corners.map(|v| positions[v as usize]);
         for corner in corners {
             bounds[piece as usize].extend(corner);
         }
-        // Relative to a corner of the piece, so that a piece far from the origin keeps its sign.
-        let origin = positions[triangles[piece as usize].corners[0] as usize].as_dvec3();
+        let origin = *origins[piece as usize].get_or_insert(corners[0].as_dvec3());
         let [a, b, c] = corners.map(|p| p.as_dvec3() - origin);
         volumes[piece as usize] += a.dot(b.cross(c));
     }
@@ -259,6 +273,7 @@ fn find_closed_pieces(positions: &[Vec3], triangles: &mut [Triangle]) -> Vec<Bou
         triangle.closed = closed[triangle.piece as usize] && volume != 0.0;
         if triangle.closed && volume < 0.0 {
             triangle.corners.swap(1, 2);
+            triangle.turned = true;
         }
     }
     bounds
@@ -294,6 +309,8 @@ struct Cutter<'a> {
     local: Vec<u32>,
     /// The welded vertices of `out.vertices`.
     welded: Vec<u32>,
+    /// Whether the corners of `out.triangles` have been reversed.
+    turned: Vec<bool>,
     out: ChunkedMesh,
 }
 
@@ -373,6 +390,8 @@ impl Cutter<'_> {
                 packed |= (*local & 0xff) << (8 * place);
             }
             self.out.triangles.push(packed);
+            self.out.numbers.push(triangle.number);
+            self.turned.push(triangle.turned);
             if let Some(bounds) = self.pieces.get(triangle.piece as usize) {
                 pieces = pieces.union(*bounds);
             }
@@ -387,6 +406,8 @@ impl Cutter<'_> {
             self.out.vertices.truncate(first_vertex);
             self.welded.truncate(first_vertex);
             self.out.triangles.truncate(first_triangle);
+            self.out.numbers.truncate(first_triangle);
+            self.turned.truncate(first_triangle);
             return false;
         }
         let culling = match (self.always, triangles[0].closed) {
@@ -404,6 +425,24 @@ impl Cutter<'_> {
             normals: Cone::NONE,
         });
         true
+    }
+
+    /// Where the neighbours of the mesh's triangles, `count` in all, have come to lie.
+    fn place_neighbours(&mut self, neighbours: &Neighbours, count: usize) {
+        let out = &mut self.out;
+        let own = |chunk: &Chunk| chunk.first_triangle as usize..(chunk.first_triangle + chunk.triangle_count) as usize;
+        let mut places = vec![(0, 0); count];
+        for (chunk, number) in out.chunks.iter().zip(0..) {
+            for (&triangle, place) in out.numbers[own(chunk)].iter().zip(0..) {
+                places[triangle as usize] = (number, place);
+            }
+        }
+        out.neighbours.reserve_exact(out.triangles.len());
+        for (chunk, number) in out.chunks.iter().zip(0..) {
+            for (&triangle, &turned) in out.numbers[own(chunk)].iter().zip(&self.turned[own(chunk)]) {
+                out.neighbours.push(neighbours.beyond(triangle, turned, number, |triangle| places[triangle]));
+            }
+        }
     }
 
     /// Finds the cones of normals of the chunks whose back faces may be dropped, and around their vertices.

@@ -23,6 +23,7 @@ pub mod shot;
 mod test_shapes;
 pub mod text;
 pub mod timing;
+pub mod walk;
 
 pub use cut_outs::{AlphaMask, CutOuts};
 pub use fill::fill;

@@ -218,7 +218,7 @@ impl Scene {
         };
         for (index, instance) in (0_u32..).zip(&self.instances) {
             let mesh = &self.meshes[instance.mesh];
-            let world = world_positions(mesh, instance.transform);
+            let world = world_positions(&mesh.positions, instance.transform);
             let corners = mesh.indices.chunks_exact(3).map(|corner| [0, 1, 2].map(|k| world[corner[k] as usize]));
             out.corners.extend(corners);
             out.instance.resize(out.corners.len(), index);
@@ -299,7 +299,7 @@ impl Scene {
     }
 }
 
-fn world_positions(mesh: &SceneMesh, transform: Affine3A) -> Vec<DVec3> {
+pub(super) fn world_positions(positions: &[[f32; 3]], transform: Affine3A) -> Vec<DVec3> {
     let transform = DAffine3::from_cols(
         transform.matrix3.x_axis.as_dvec3(),
         transform.matrix3.y_axis.as_dvec3(),
@@ -307,7 +307,7 @@ fn world_positions(mesh: &SceneMesh, transform: Affine3A) -> Vec<DVec3> {
         transform.translation.as_dvec3(),
     );
     let to_world = |position: &[f32; 3]| transform.transform_point3(Vec3::from(*position).as_dvec3());
-    mesh.positions.iter().map(|position| to_world(position).as_vec3().as_dvec3()).collect()
+    positions.iter().map(|position| to_world(position).as_vec3().as_dvec3()).collect()
 }
 
 /// Why a scene did not load.

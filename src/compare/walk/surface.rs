@@ -1,0 +1,112 @@
+//! The casters' triangles and their neighbours as the shaders read them.
+
+use crate::casters::ChunkSource;
+use crate::chunks::{self, Vertex};
+use crate::compare::gpu::Gpu;
+use crate::compare::ideal::NO_TRIANGLE;
+use crate::compare::scene::{Scene, SceneInstance, SceneMesh, world_positions};
+use crate::neighbours::Beyond;
+use crate::{CasterMesh, Casters, Indices};
+use glam::Vec3;
+
+/// All casters' triangles in world space, by the numbers that maps have: chunk in bits 8-31, place in it in bits 0-7.
+#[derive(Debug, Default)]
+pub struct Surface {
+    chunks: Vec<Chunk>,
+    vertices: Vec<Vec3>,
+    triangles: Vec<u32>,
+    neighbours: Vec<[Beyond; 3]>,
+}
+
+/// Where a chunk of an instance has its data.
+#[derive(Debug, Clone, Copy)]
+struct Chunk {
+    vertex: u32,
+    triangle: u32,
+}
+
+impl Surface {
+    /// A scene's, as [`fill`](super::super::fill) makes them in a store of their own, masked meshes as if they had no
+    /// holes. With it, for each of the scene's [world triangles](Scene::world_triangles), its number; [`NO_TRIANGLE`] for those
+    /// of no area.
+    #[must_use]
+    pub fn new(scene: &Scene) -> (Self, Vec<u32>) {
+        let mut surface = Self::default();
+        let mut numbers = Vec::with_capacity(scene.triangle_count());
+        let meshes: Vec<_> = scene.meshes.iter().map(|mesh| surface.add_mesh(mesh)).collect();
+        for instance in &scene.instances {
+            let (first_triangle, mesh) = &meshes[instance.mesh];
+            let first = numbers.len();
+            numbers.resize(first + scene.meshes[instance.mesh].triangle_count(), NO_TRIANGLE);
+            surface.add_instance(*first_triangle, mesh, instance, &mut numbers[first..]);
+        }
+        (surface, numbers)
+    }
+
+    fn add_mesh(&mut self, mesh: &SceneMesh) -> (u32, chunks::ChunkedMesh) {
+        let indices = Indices::U32(&mesh.indices);
+        let cut = chunks::cut(&CasterMesh { positions: &mesh.positions, indices, ..Default::default() });
+        let first = self.triangles.len() as u32;
+        self.triangles.extend(&cut.triangles);
+        self.neighbours.extend(&cut.neighbours);
+        (first, cut)
+    }
+
+    fn add_instance(
+        &mut self,
+        first_triangle: u32,
+        mesh: &chunks::ChunkedMesh,
+        instance: &SceneInstance,
+        numbers: &mut [u32],
+    ) {
+        let first_vertex = self.vertices.len() as u32;
+        for chunk in &mesh.chunks {
+            let number = (self.chunks.len() as u32) << 8;
+            let own = chunk.first_triangle as usize..(chunk.first_triangle + chunk.triangle_count) as usize;
+            for (&triangle, place) in mesh.numbers[own].iter().zip(0..) {
+                numbers[triangle as usize] = number | place;
+            }
+            let (vertex, triangle) = (first_vertex + chunk.first_vertex, first_triangle + chunk.first_triangle);
+            self.chunks.push(Chunk { vertex, triangle });
+        }
+        let positions: Vec<[f32; 3]> = mesh.vertices.iter().map(|vertex| vertex.position.to_array()).collect();
+        self.vertices.extend(world_positions(&positions, instance.transform).into_iter().map(|position| position.as_vec3()));
+    }
+
+    /// What a store has on the GPU after a recording.
+    #[must_use]
+    pub fn read(gpu: &Gpu, casters: &Casters) -> Self {
+        let sources: Vec<ChunkSource> = gpu.read(casters.chunk_sources.buffer());
+        let vertices: Vec<Vertex> = gpu.read(casters.vertices.buffer());
+        Self {
+            chunks: sources.iter().map(|source| Chunk { vertex: source.vertex, triangle: source.triangle }).collect(),
+            vertices: vertices.iter().map(|vertex| vertex.position).collect(),
+            triangles: gpu.read(casters.triangles.buffer()),
+            neighbours: gpu.read(casters.neighbours.buffer()),
+        }
+    }
+
+    /// A triangle, by its number.
+    #[must_use]
+    pub fn triangle(&self, number: u32) -> SurfaceTriangle {
+        let Chunk { vertex, triangle } = self.chunks[(number >> 8) as usize];
+        let at = (triangle + (number & 0xff)) as usize;
+        let corners = [0, 8, 16].map(|shift| vertex + (self.triangles[at] >> shift & 0xff));
+        SurfaceTriangle { corners, beyond: self.neighbours[at].map(|beyond| beyond.0) }
+    }
+
+    /// A vertex in world space.
+    #[must_use]
+    pub fn vertex(&self, vertex: u32) -> Vec3 {
+        self.vertices[vertex as usize]
+    }
+}
+
+/// A triangle of a [`Surface`].
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceTriangle {
+    /// Numbers of its vertices.
+    pub corners: [u32; 3],
+    /// What lies beyond the edge from each corner to the next one, as the shaders read it.
+    pub beyond: [u32; 3],
+}
