@@ -282,3 +282,232 @@ impl Triangles<'_> {
         side.reject_from(along).normalize_or_zero()
     }
 }
+
+#[cfg(all(test, feature = "compare"))]
+mod tests {
+    use super::*;
+    use crate::chunks::{ChunkedMesh, cut};
+    use crate::compare::procedural::shapes::{cuboid, tetrahedron, torus};
+    use crate::compare::scene::SceneMesh;
+    use crate::{CasterMesh, Indices};
+    use proptest::prelude::*;
+    use std::collections::HashMap;
+
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    enum Across {
+        Nothing,
+        Unknown,
+        /// A triangle, by its number in the mesh, and whether it is wound the other way.
+        Triangle(u32, bool),
+    }
+    use Across::{Nothing, Unknown};
+
+    type Point = [i32; 3];
+
+    /// By a triangle's number and an edge's two ends in its order.
+    type Found = HashMap<(u32, Point, Point), Across>;
+
+    fn mesh(positions: &[Point], triangles: &[[u32; 3]]) -> SceneMesh {
+        SceneMesh {
+            positions: positions.iter().map(|p| p.map(|x| x as f32)).collect(),
+            indices: triangles.concat(),
+            ..SceneMesh::default()
+        }
+    }
+
+    fn find(mesh: &SceneMesh, deforms: bool) -> Found {
+        let indices = Indices::U32(&mesh.indices);
+        let cut = cut(&CasterMesh { positions: &mesh.positions, indices, deforms, ..Default::default() });
+        let corners = |triangle: usize| [0, 1, 2].map(|k| corner(&cut, triangle, k));
+        let mut found = Found::new();
+        for (chunk, own) in cut.chunks.iter().zip(0..) {
+            for triangle in chunk.first_triangle as usize..(chunk.first_triangle + chunk.triangle_count) as usize {
+                for edge in 0..3 {
+                    let (from, to) = (corners(triangle)[edge], corners(triangle)[(edge + 1) % 3]);
+                    let across = match cut.neighbours[triangle][edge] {
+                        Beyond::NOTHING => Nothing,
+                        Beyond::UNKNOWN => Unknown,
+                        Beyond(bits) => {
+                            let chunk = &cut.chunks[(own + (bits as i32 >> 11)) as usize];
+                            let place = bits >> 3 & 0xff;
+                            assert!(place < chunk.triangle_count);
+                            let other = (chunk.first_triangle + place) as usize;
+                            let turned = bits & 4 != 0;
+                            let edge = (bits & 3) as usize;
+                            let there = (corners(other)[edge], corners(other)[(edge + 1) % 3]);
+                            let expected = if turned { (from, to) } else { (to, from) };
+                            // Through one of no area an edge lies along part of another.
+                            assert!(there == expected || are_in_line([from, to, there.0, there.1]), "{there:?}");
+                            Across::Triangle(cut.numbers[other], turned)
+                        }
+                    };
+                    found.insert((cut.numbers[triangle], from, to), across);
+                }
+            }
+        }
+        found
+    }
+
+    fn are_in_line(points: [Point; 4]) -> bool {
+        let [a, b, c, d] = points.map(|p| DVec3::from(p.map(f64::from)));
+        (b - a).cross(c - a) == DVec3::ZERO && (b - a).cross(d - a) == DVec3::ZERO
+    }
+
+    fn corner(cut: &ChunkedMesh, triangle: usize, k: usize) -> Point {
+        let chunk = cut.chunks.iter().rfind(|chunk| chunk.first_triangle as usize <= triangle).unwrap();
+        let vertex = chunk.first_vertex + (cut.triangles[triangle] >> (8 * k) & 0xff);
+        cut.vertices[vertex as usize].position.to_array().map(|x| (1024.0 * x) as i32)
+    }
+
+    /// What lies beyond an edge, whichever way round the triangle was turned.
+    fn across(found: &Found, triangle: u32, a: Point, b: Point) -> Across {
+        let [a, b] = [a, b].map(|p| p.map(|x| 1024 * x));
+        *found.get(&(triangle, a, b)).or_else(|| found.get(&(triangle, b, a))).expect("an edge of the triangle")
+    }
+
+    const SQUARE: [Point; 4] = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]];
+
+    #[test]
+    fn triangles_of_a_square_meet_at_the_diagonal() {
+        for deforms in [false, true] {
+            let found = find(&mesh(&SQUARE, &[[0, 1, 2], [0, 2, 3]]), deforms);
+            let [a, b, c, d] = SQUARE;
+            assert_eq!(across(&found, 0, a, c), Across::Triangle(1, false));
+            assert_eq!(across(&found, 1, a, c), Across::Triangle(0, false));
+            for (triangle, from, to) in [(0, a, b), (0, b, c), (1, c, d), (1, d, a)] {
+                assert_eq!(across(&found, triangle, from, to), Nothing);
+            }
+        }
+    }
+
+    /// One position, as many vertices as there are triangles around it.
+    #[test]
+    fn vertices_of_one_position_are_one_whatever_they_are_welded_by() {
+        let [a, b, c, d] = SQUARE;
+        let apart = mesh(&[a, b, c, a, c, d], &[[0, 1, 2], [3, 4, 5]]);
+        for deforms in [false, true] {
+            let found = find(&apart, deforms);
+            assert_eq!(across(&found, 0, a, c), Across::Triangle(1, false), "deforms: {deforms}");
+        }
+    }
+
+    #[test]
+    fn a_neighbour_wound_the_other_way_says_so() {
+        let found = find(&mesh(&SQUARE, &[[0, 1, 2], [0, 3, 2]]), false);
+        let [a, _, c, _] = SQUARE;
+        assert_eq!(across(&found, 0, a, c), Across::Triangle(1, true));
+        assert_eq!(across(&found, 1, a, c), Across::Triangle(0, true));
+    }
+
+    /// A wall on the diagonal of a floor: the floor goes on under it.
+    #[test]
+    fn of_three_triangles_two_go_on_straight_and_the_third_is_lost() {
+        let positions = [SQUARE.as_slice(), &[[1, 1, 2]]].concat();
+        for wall in [[0, 2, 4], [2, 0, 4]] {
+            let found = find(&mesh(&positions, &[wall, [0, 1, 2], [0, 2, 3]]), false);
+            let [a, _, c, _] = SQUARE;
+            assert_eq!(across(&found, 1, a, c), Across::Triangle(2, false));
+            assert_eq!(across(&found, 2, a, c), Across::Triangle(1, false));
+            assert_eq!(across(&found, 0, a, c), Unknown);
+        }
+    }
+
+    /// A front and a back of the same square: each goes on into its own half.
+    #[test]
+    fn of_two_sheets_on_one_another_each_goes_on() {
+        let found = find(&mesh(&SQUARE, &[[0, 1, 2], [2, 1, 0], [0, 2, 3], [3, 2, 0]]), false);
+        let [a, b, c, _] = SQUARE;
+        assert_eq!(across(&found, 0, a, c), Across::Triangle(2, false));
+        assert_eq!(across(&found, 1, a, c), Across::Triangle(3, false));
+        assert_eq!(across(&found, 0, a, b), Across::Triangle(1, false), "round the rim");
+    }
+
+    #[test]
+    fn too_many_triangles_at_an_edge_are_lost() {
+        let rim = (0..200).map(|k| [0, k, 1]);
+        let positions: Vec<Point> = [[0, 0, 0], [2, 0, 0]].into_iter().chain(rim).collect();
+        let triangles: Vec<[u32; 3]> = (2..202).map(|k| if k % 2 == 0 { [0, 1, k] } else { [1, 0, k] }).collect();
+        let found = find(&mesh(&positions, &triangles), false);
+        assert!((0..200).all(|k| across(&found, k, positions[0], positions[1]) == Unknown));
+    }
+
+    /// Two triangles against the long side of a third, with one of no area in between.
+    #[test]
+    fn triangles_of_no_area_are_passed_through() {
+        let positions = [[0, 0, 0], [3, 0, 0], [4, 0, 0], [2, 2, 0], [2, -2, 0]];
+        let found = find(&mesh(&positions, &[[0, 2, 3], [0, 1, 2], [1, 0, 4], [2, 1, 4]]), false);
+        let [a, b, c, ..] = positions;
+        assert_eq!(across(&found, 2, a, b), Across::Triangle(0, false));
+        assert_eq!(across(&found, 3, b, c), Across::Triangle(0, false));
+        // The longer of the two.
+        assert_eq!(across(&found, 0, a, c), Across::Triangle(2, false));
+    }
+
+    #[test]
+    fn triangles_of_no_area_one_beside_the_other_are_passed_through() {
+        let positions = [[0, 0, 0], [3, 0, 0], [5, 0, 0], [6, 0, 0], [2, 2, 0], [2, -2, 0], [5, -2, 0]];
+        let triangles = [[0, 3, 4], [0, 1, 3], [1, 2, 3], [1, 0, 5], [2, 1, 5], [3, 2, 6]];
+        let found = find(&mesh(&positions, &triangles), false);
+        assert_eq!(across(&found, 3, positions[0], positions[1]), Across::Triangle(0, false));
+        assert_eq!(across(&found, 4, positions[1], positions[2]), Across::Triangle(0, false));
+        assert_eq!(across(&found, 5, positions[2], positions[3]), Across::Triangle(0, false));
+    }
+
+    /// Pieces that are inside out are turned when they are cut, and their edges with them.
+    #[test]
+    fn closed_meshes_have_a_neighbour_beyond_every_edge() {
+        for shape in [tetrahedron(1.0), cuboid(Vec3::ZERO, Vec3::ONE), torus(3.0, 1.0, 64, 48)] {
+            let mut inside_out = shape.clone();
+            inside_out.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|corners| corners.swap(0, 1));
+            for mesh in [shape, inside_out] {
+                let found = find(&mesh, false);
+                assert_eq!(found.len(), mesh.indices.len());
+                assert!(found.values().all(|across| matches!(across, Across::Triangle(_, false))));
+            }
+        }
+    }
+
+    proptest! {
+        /// Triangles between few points, against a search through all.
+        #[test]
+        fn neighbours_share_the_edge(
+            triangles in prop::collection::vec(prop::array::uniform3(0u32..12), 1..40), deforms: bool,
+        ) {
+            let points: Vec<Point> = (0..12).map(|k| [k % 3, k / 3 % 2, k * k % 7]).collect();
+            let mesh = mesh(&points, &triangles);
+            let found = find(&mesh, deforms);
+            let corners = |triangle: u32| triangles[triangle as usize].map(|k| points[k as usize].map(|x| 1024 * x));
+            let whole = |triangle: u32| {
+                let [a, b, c] = corners(triangle);
+                a != b && b != c && c != a
+            };
+            let drawn = |triangle: u32| found.keys().any(|key| key.0 == triangle);
+            for (&(triangle, from, to), &across) in &found {
+                if !whole(triangle) {
+                    prop_assert!(deforms && across == Unknown);
+                    continue;
+                }
+                let sharing = |other: &u32| {
+                    let has = |point| corners(*other).contains(&point);
+                    *other != triangle && whole(*other) && has(from) && has(to)
+                };
+                let others: Vec<u32> = (0..triangles.len() as u32).filter(sharing).collect();
+                if others.iter().any(|other| !drawn(*other)) {
+                    continue;
+                }
+                match (others.as_slice(), across) {
+                    ([], _) => prop_assert_eq!(across, Nothing),
+                    ([other], _) => {
+                        prop_assert!(matches!(across, Across::Triangle(found, _) if found == *other), "{:?}", across);
+                    }
+                    (_, Across::Triangle(other, turned)) => {
+                        prop_assert!(others.contains(&other) && !turned);
+                        let back = found.get(&(other, to, from)).copied();
+                        prop_assert_eq!(back, Some(Across::Triangle(triangle, false)));
+                    }
+                    (_, across) => prop_assert_eq!(across, Unknown),
+                }
+            }
+        }
+    }
+}
