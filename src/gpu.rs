@@ -140,7 +140,21 @@ pub(crate) fn check(device: &wgpu::Device) -> Result<(), Error> {
     probe.get_mapped_range(..).map(|_| ()).map_err(|_| Error::DeviceLost)
 }
 
-/// Whether the device runs on the CPU.
-pub(crate) fn is_software(device: &wgpu::Device) -> bool {
-    device.adapter_info().device_type == wgpu::DeviceType::Cpu
+/// The sizes of the stages' workgroups and dispatches. Two sets ship, and both make the same maps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Workgroups {
+    /// For devices that run a workgroup's threads side by side.
+    Gpu,
+    /// For devices in software, where a barrier costs a microsecond for every eight threads.
+    Software,
+}
+
+impl Workgroups {
+    /// Those that suit the device.
+    pub(crate) fn of(device: &wgpu::Device) -> Self {
+        match device.adapter_info().device_type {
+            wgpu::DeviceType::Cpu => Self::Software,
+            _ => Self::Gpu,
+        }
+    }
 }

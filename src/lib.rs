@@ -99,6 +99,8 @@ pub use custom::CasterPass;
 pub use deform::Deformed;
 pub use error::Error;
 pub use filter::Filter;
+#[cfg(feature = "compare")]
+pub use gpu::Workgroups;
 pub use light::{Coverage, PointLight};
 pub use mask::Mask;
 #[cfg(feature = "compare")]

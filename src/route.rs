@@ -3,7 +3,7 @@
 
 use crate::batch::{Job, MOST_JOBS};
 use crate::casters::Casters;
-use crate::gpu::{self, Binding};
+use crate::gpu::{self, Binding, Workgroups};
 use crate::view::SLOT;
 use std::ops::Range;
 
@@ -20,7 +20,7 @@ const MOST_GROUPS: u32 = 8192;
 /// Threads of a workgroup: one for each triangle of a chunk.
 const THREADS: f64 = 256.0;
 
-/// The same for devices in software, where a barrier costs a microsecond for every eight threads.
+/// The same in software.
 const SOFTWARE_THREADS: f64 = 8.0;
 
 /// Workgroups in software. So many that none takes more than some dozen chunks: llvmpipe ends the loops of an invocation
@@ -38,17 +38,18 @@ pub(crate) struct Route {
 
 impl Route {
     /// `reject` off keeps every triangle that a hemisphere isn't wholly in front of.
-    pub(crate) fn new(device: &wgpu::Device, reject: bool) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, workgroups: Workgroups, reject: bool) -> Self {
         use Binding::{Counters, Read, Uniform, Write};
         let bindings = [Uniform, Counters, Read, Read, Read, Read, Write];
         let layout = gpu::layout(device, "route", wgpu::ShaderStages::COMPUTE, &bindings);
         let module = gpu::shader(device, "route", crate::wgsl::route());
-        let software = gpu::is_software(device);
-        let threads = if software { SOFTWARE_THREADS } else { THREADS };
+        let (threads, most_groups) = match workgroups {
+            Workgroups::Gpu => (THREADS, MOST_GROUPS),
+            Workgroups::Software => (SOFTWARE_THREADS, SOFTWARE_GROUPS),
+        };
         let constants = [("REJECT", f64::from(u8::from(reject))), ("THREADS", threads)];
         let pipeline = gpu::compute_pipeline(device, "route", &module, Some(&layout), &constants);
         let capacity = 1024;
-        let most_groups = if software { SOFTWARE_GROUPS } else { MOST_GROUPS };
         Self { pipeline, layout, most_groups, lists: lists(device, capacity), capacity }
     }
 

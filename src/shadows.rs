@@ -6,7 +6,7 @@ use crate::casters::Casters;
 use crate::custom::CasterPass;
 use crate::demand::Demand;
 use crate::depth::{Depth, Sources};
-use crate::gpu;
+use crate::gpu::{self, Workgroups};
 use crate::light::PointLight;
 use crate::lookup::Lookup;
 use crate::maps::{Maps, Target};
@@ -141,7 +141,7 @@ impl PointShadows {
     /// [`Error::InvalidDescriptor`] for a value out of range or more than the device's limits allow, or
     /// [`Error::DeviceLost`].
     pub fn new(device: &wgpu::Device, descriptor: &PointShadowsDescriptor) -> Result<Self, Error> {
-        Self::with_rejection(device, descriptor, true)
+        Self::with_stages(device, descriptor, Workgroups::of(device), true)
     }
 
     /// [`Self::new`] with maps from every triangle, even of those that can't change them: what the tests hold the
@@ -151,10 +151,28 @@ impl PointShadows {
     /// As [`Self::new`].
     #[cfg(feature = "compare")]
     pub fn new_unrouted(device: &wgpu::Device, descriptor: &PointShadowsDescriptor) -> Result<Self, Error> {
-        Self::with_rejection(device, descriptor, false)
+        Self::with_stages(device, descriptor, Workgroups::of(device), false)
     }
 
-    fn with_rejection(device: &wgpu::Device, descriptor: &PointShadowsDescriptor, reject: bool) -> Result<Self, Error> {
+    /// [`Self::new`] with workgroups of another device's size, so that a test on one device runs both.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    #[cfg(feature = "compare")]
+    pub fn with_workgroups(
+        device: &wgpu::Device,
+        descriptor: &PointShadowsDescriptor,
+        workgroups: Workgroups,
+    ) -> Result<Self, Error> {
+        Self::with_stages(device, descriptor, workgroups, true)
+    }
+
+    fn with_stages(
+        device: &wgpu::Device,
+        descriptor: &PointShadowsDescriptor,
+        workgroups: Workgroups,
+        reject: bool,
+    ) -> Result<Self, Error> {
         validate(descriptor, &device.limits())?;
         gpu::check(device)?;
         let PointShadowsDescriptor { capacity, resolution, tolerance, guard, keep_static } = *descriptor;
@@ -168,8 +186,8 @@ impl PointShadows {
             seen: None,
             lookup: Lookup::new(device, maps.live()),
             maps,
-            route: Route::new(device, reject),
-            split: Split::new(device, reject),
+            route: Route::new(device, workgroups, reject),
+            split: Split::new(device, workgroups, reject),
             depth: Depth::new(device, capacity),
             views: job_buffer(device, "views", capacity, wgpu::BufferUsages::UNIFORM),
             arguments: argument_buffer(device, capacity),

@@ -1,7 +1,7 @@
 //! The split stage: from triangles whose edges bend too much to pieces whose edges don't (`shaders/split.wgsl`).
 
 use crate::batch::MOST_JOBS;
-use crate::gpu::{self, Binding};
+use crate::gpu::{self, Binding, Workgroups};
 use crate::view::{MapShape, SLOT};
 
 /// Workgroups per hemisphere of a job alone in its batch; they share the triangles out evenly, neighbours to different ones.
@@ -13,7 +13,7 @@ const LEAST_GROUPS: u32 = 128;
 /// Threads of a workgroup.
 const THREADS: f64 = 64.0;
 
-/// The same for devices in software, where a barrier costs a microsecond for every eight threads.
+/// The same in software.
 const SOFTWARE_THREADS: f64 = 8.0;
 
 /// Workgroups for devices in software: enough that none comes near the 65,535 rounds after which llvmpipe ends the loops
@@ -47,18 +47,19 @@ pub(crate) struct Split {
 }
 
 impl Split {
-    pub(crate) fn new(device: &wgpu::Device, reject: bool) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, workgroups: Workgroups, reject: bool) -> Self {
         use Binding::{Counters, Read, Uniform, Write};
         let layout =
             gpu::layout(device, "split", wgpu::ShaderStages::COMPUTE, &[Uniform, Counters, Write, Read, Write, Write]);
         let module = gpu::shader(device, "split", crate::wgsl::split());
-        let software = gpu::is_software(device);
-        let threads = if software { SOFTWARE_THREADS } else { THREADS };
+        let (threads, groups) = match workgroups {
+            Workgroups::Gpu => (THREADS, GROUPS),
+            Workgroups::Software => (SOFTWARE_THREADS, SOFTWARE_GROUPS),
+        };
         let pipelines = [1.0, 0.0].map(|coarse| {
             let constants = [("REJECT", f64::from(u8::from(reject))), ("COARSE", coarse), ("THREADS", threads)];
             gpu::compute_pipeline(device, "split", &module, Some(&layout), &constants)
         });
-        let groups = if software { SOFTWARE_GROUPS } else { GROUPS };
         Self { pipelines, groups, layout, parts: parts(device, 1), pieces: pieces(device, 1), capacity: 1, jobs: 1 }
     }
 

@@ -1,10 +1,11 @@
 //! Scenes that break shadow maps, each judged against ray-cast truth and against the floor at its resolution. The
 //! figures show with `--nocapture`.
 
-use crate::common::{descriptor, gpu};
+use crate::claims::{made, slack_ppm};
+use crate::common::gpu;
 use dual_paraboloid::PointLight;
 use dual_paraboloid::compare::ideal::MapGeometry;
-use dual_paraboloid::compare::measure::{Figures, Made, Truth, light_for};
+use dual_paraboloid::compare::measure::{Figures, Truth, light_for};
 use dual_paraboloid::compare::procedural::shapes::{
     append, cuboid, cylinder, icosphere, quad, tetrahedron, torus_knot,
 };
@@ -80,23 +81,6 @@ pub fn orientation(random: &mut Pcg64) -> Quat {
 
 fn turned(light: PointLight, orientation: Quat) -> PointLight {
     PointLight { orientation, ..light }
-}
-
-/// Three standard deviations of a count, in parts per million of `samples`. Library and floor answer for the same
-/// receivers; where their maps differ by less than a texel it's chance which of the receivers at a boundary fall
-/// between, so that the count of wrong ones varies as that of rare events does, by its root.
-pub fn slack_ppm(wrong_ppm: f64, samples: usize) -> f64 {
-    let count = wrong_ppm * 1e-6 * samples as f64;
-    3.0 * count.max(1.0).sqrt() * 1e6 / samples as f64
-}
-
-/// The library's maps of a scene.
-pub fn made(scene: &Scene, light: PointLight, resolution: u32) -> Made {
-    let mut made = Made::new(gpu(), scene, light, &descriptor(resolution)).unwrap();
-    gpu().wait();
-    // A second time where there wasn't room for all pieces.
-    gpu().submit(|encoder| made.shadows.record(&gpu().device, &gpu().queue, encoder, &mut made.casters)).unwrap();
-    made
 }
 
 fn figures(scene: &Scene, light: PointLight, resolution: u32, samples: usize) -> Figures {

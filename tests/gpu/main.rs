@@ -4,6 +4,7 @@
 mod analytic;
 mod axis;
 mod caching;
+mod claims;
 mod common;
 mod custom;
 mod deforming;
@@ -18,3 +19,4 @@ mod misuse;
 mod routing;
 mod seam;
 mod watertight;
+mod workgroups;

@@ -1,10 +1,10 @@
 //! Casters with holes.
 
-use crate::common::{Map, box_inside, descriptor, gpu, map};
-use crate::routing::assert_same;
+use crate::claims::{assert_exact_without_room, assert_holes_are_true, assert_routed_is_unrouted};
+use crate::common::{Map, box_inside, descriptor, gpu, map, mesh_of};
+use crate::hard_cases::scene;
 use crate::watertight::shell;
-use dual_paraboloid::compare::measure::{Made, Truth, light_for};
-use dual_paraboloid::compare::scene::{Alpha, Material, Scene, SceneInstance, SceneMesh, known_lights, scenes_dir};
+use dual_paraboloid::compare::scene::{Alpha, Material, Scene, SceneInstance, SceneMesh};
 use dual_paraboloid::{
     CasterMesh, Casters, Coverage, Indices, Mask, MeshId, PointLight, PointShadows, PointShadowsDescriptor, Sides,
     paraboloid,
@@ -130,7 +130,7 @@ fn random_point(rng: &mut Pcg64, size: f32) -> Vec3 {
 }
 
 /// Sheets at random places, every third whole, some of them mirrored and sheared.
-fn random_sheets(rng: &mut Pcg64, sides: Sides) -> Casters {
+pub fn random_sheets(rng: &mut Pcg64, sides: Sides) -> Casters {
     let mut casters = Casters::new(&gpu().device);
     let textures = [checkerboard(3), checkerboard(1)];
     for number in 0..12 {
@@ -153,7 +153,12 @@ fn leaving_triangles_out_changes_nothing() {
     for (sides, resolution) in [(Sides::Auto, 64), (Sides::Front, 128), (Sides::Auto, 300)] {
         let mut casters = random_sheets(&mut rng, sides);
         let orientation = Quat::from_rotation_x(rng.random_range(0.0..3.0));
-        assert_same(&mut casters, PointLight { orientation, range: 100.0, ..Default::default() }, resolution, "sheets");
+        assert_routed_is_unrouted(
+            &mut casters,
+            PointLight { orientation, range: 100.0, ..Default::default() },
+            resolution,
+            "sheets",
+        );
     }
 }
 
@@ -251,40 +256,20 @@ fn mirrored_instances() {
     }
 }
 
+/// Many walls with large holes that fill the view behind one another, each well behind the one before.
 #[test]
 fn more_pieces_than_room_are_drawn_exactly() {
-    // Many walls with large holes that fill the view behind one another, each well behind the one before.
     let mut rng = Pcg64::seed_from_u64(9);
     let walls = (0..40).flat_map(|layer| shell(0, &mut rng).into_iter().map(move |wall| (layer, wall)));
     let walls: Vec<[Vec3; 3]> = walls.map(|(layer, wall)| wall.map(|p| p * 1.4_f32.powi(layer))).collect();
-    let positions: Vec<[f32; 3]> = walls.as_flattened().iter().map(|p| p.to_array()).collect();
-    let coordinates: Vec<[f32; 2]> = positions.iter().map(|_| [rng.random(), rng.random()]).collect();
-    let indices: Vec<u32> = (0..positions.len() as u32).collect();
-    let texture = alpha_texture(2, &[255, 0, 0, 255]);
-    let mask = Some(mask(&texture, &coordinates));
-    let mut casters = Casters::new(&gpu().device);
-    let mesh =
-        CasterMesh { positions: &positions, indices: Indices::U32(&indices), sides: Sides::Both, mask, deforms: false };
-    let mesh = casters.add_mesh(&mesh).unwrap();
-    casters.add_instance(mesh, Affine3A::IDENTITY).unwrap();
-    let mut shadows = PointShadows::new(&gpu().device, &descriptor(64)).unwrap();
-    let id = shadows.add(PointLight { range: 1e7, ..Default::default() }).unwrap();
-    let mut next = || {
-        gpu().submit(|encoder| {
-            shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters).unwrap();
-        });
-        gpu().wait();
-        let without_room: u32 = gpu().statistics(&shadows).without_room[0];
-        (Map::read(&shadows, id), without_room)
-    };
-    let (exact, without_room) = next();
-    assert!(without_room > 0, "the scene is meant to overflow");
-    let (pieces, without_room) = next();
-    assert_eq!(without_room, 0, "the next recording has room");
-    let texels: Vec<_> = exact.discs().zip(pieces.discs()).collect();
-    let differ = texels.iter().filter(|(a, b)| (a.depth - b.depth).abs() > 0.1 * b.depth).count();
-    // Texels whose centre is at a hole's edge may fall to either side.
-    assert!(differ * 50 < texels.len(), "{differ} of {} texels differ", texels.len());
+    let mesh = mesh_of(&walls);
+    let coordinates = mesh.positions.iter().map(|_| [rng.random(), rng.random()]).collect();
+    let mut scene = scene([SceneMesh { tex_coords: Some(coordinates), ..mesh }]);
+    let image = image::RgbaImage::from_fn(2, 2, |x, y| image::Rgba([0, 0, 0, if x == y { 255 } else { 0 }]));
+    scene.images.push(image);
+    let alpha = Alpha::Mask { cutoff: 0.5 };
+    scene.materials.push(Material { base_color_image: Some(0), alpha, ..Material::default() });
+    assert_exact_without_room(&scene, PointLight { range: 1e7, ..Default::default() });
 }
 
 /// A room with sheets of all sizes and address modes, with textures of odd sizes and soft alphas.
@@ -292,11 +277,7 @@ fn masked_room() -> Scene {
     let mut rng = Pcg64::seed_from_u64(4);
     let mut scene = Scene { name: "masked room".to_owned(), materials: vec![Material::default()], ..Scene::default() };
     let walls = box_inside(Vec3::splat(-4.0), Vec3::splat(4.0));
-    scene.meshes.push(SceneMesh {
-        positions: walls.as_flattened().iter().map(|p| p.to_array()).collect(),
-        indices: (0..3 * walls.len() as u32).collect(),
-        ..SceneMesh::default()
-    });
+    scene.meshes.push(mesh_of(&walls));
     let modes = [wgpu::AddressMode::Repeat, wgpu::AddressMode::MirrorRepeat, wgpu::AddressMode::ClampToEdge];
     for number in 0..9 {
         let (width, height) = (rng.random_range(1..9), rng.random_range(1..9));
@@ -331,37 +312,9 @@ fn masked_room() -> Scene {
     scene
 }
 
-/// At most a tenth more wrong than the ideal, and no wrong texel away from a silhouette.
-fn assert_true(scene: &Scene, position: Vec3, resolution: u32, samples: usize) {
-    let light = light_for(scene, position);
-    let truth = Truth::new(scene, &light, samples, 1);
-    let made = Made::new(gpu(), scene, light, &descriptor(resolution)).unwrap();
-    let figures = made.figures(gpu(), &truth);
-    let (wrong, ideal) = (figures.shadow.error.wrong_ppm, figures.ideal.wrong_ppm);
-    println!("{} at {resolution}: wrong {wrong:.0}, ideal {ideal:.0}, {:?}", scene.name, figures.map);
-    assert!(wrong <= 1.1 * ideal, "{}: {wrong} of a million are wrong, ideally {ideal}", scene.name);
-    assert_eq!(figures.map.strays, 0, "{}: {:?}", scene.name, figures.map);
-    // Without the holes it would be wrong by far.
-    let whole = Made::new(gpu(), &scene.without_holes(), light, &descriptor(resolution)).unwrap();
-    let values = gpu().shadow_values(&whole.shadows, whole.light, &truth.inputs());
-    assert!(truth.wrong_ppm(&values) > 1.2 * wrong, "{} has no holes that matter", scene.name);
-}
-
 #[test]
 fn a_room_is_as_true_as_resolution_allows() {
     for resolution in [128, 256] {
-        assert_true(&masked_room(), Vec3::new(0.1, 0.2, -0.1), resolution, 50_000);
-    }
-}
-
-#[test]
-fn scenes_are_as_true_as_resolution_allows() {
-    let Some(folder) = scenes_dir() else {
-        eprintln!("no scenes: set DP_SCENES to a folder with .glb files to test on them too");
-        return;
-    };
-    for name in ["house_masked.glb", "alpha_modes.glb"] {
-        let Ok(scene) = Scene::load(&folder.join(name)) else { continue };
-        assert_true(&scene, Vec3::from(known_lights(name)[0]), 256, 50_000);
+        assert_holes_are_true(&masked_room(), Vec3::new(0.1, 0.2, -0.1), resolution, 50_000);
     }
 }

@@ -1,28 +1,18 @@
 //! The route leaves out only what can't change the map.
 
-use crate::common::{Map, descriptor, gpu, map, soup, unrouted_map};
+use crate::claims::{assert_exact_without_room, assert_routed_is_unrouted};
+use crate::common::{gpu, map, mesh_of, soup};
+use crate::hard_cases::scene;
 use crate::watertight::shell;
 use dual_paraboloid::compare::fill;
 use dual_paraboloid::compare::procedural;
-use dual_paraboloid::compare::scene::{Scene, known_lights, scenes_dir};
-use dual_paraboloid::{Casters, PointLight, PointShadows, Sides};
+use dual_paraboloid::{Casters, PointLight, Sides};
 use glam::{Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-pub fn assert_same(casters: &mut Casters, light: PointLight, resolution: u32, name: &str) {
-    let routed = map(casters, light, resolution);
-    let differences = routed.differences(&unrouted_map(casters, light, resolution));
-    assert!(
-        differences.is_empty(),
-        "{name} at {resolution}: {} texels differ, as {:?}",
-        differences.len(),
-        &differences[..differences.len().min(3)]
-    );
-}
-
 /// Random triangles from slivers to walls.
-fn random_soup(rng: &mut Pcg64, count: usize) -> Vec<[Vec3; 3]> {
+pub fn random_soup(rng: &mut Pcg64, count: usize) -> Vec<[Vec3; 3]> {
     let mut point = |size: f32| {
         Vec3::new(rng.random_range(-size..size), rng.random_range(-size..size), rng.random_range(-size..size))
     };
@@ -45,7 +35,7 @@ fn random_scenes() {
             range: 100.0,
             ..Default::default()
         };
-        assert_same(&mut casters, light, resolution, "a soup");
+        assert_routed_is_unrouted(&mut casters, light, resolution, "a soup");
     }
 }
 
@@ -68,30 +58,7 @@ fn closed_pieces_with_the_light_outside() {
             range: 100.0,
             ..Default::default()
         };
-        assert_same(&mut soup(&triangles, Sides::Auto), light, 300, "shells");
-    }
-}
-
-#[test]
-fn every_scene() {
-    let Some(folder) = scenes_dir() else {
-        eprintln!("no scenes: set DP_SCENES to a folder with .glb files to test on them too");
-        return;
-    };
-    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    files.retain(|path| path.extension().is_some_and(|e| e == "glb"));
-    files.sort();
-    for path in files {
-        let scene = Scene::load(&path).unwrap();
-        let mut casters = Casters::new(&gpu().device);
-        fill(&mut casters, gpu(), &scene, Sides::Auto).unwrap();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let (low, high) = scene.bounds().unwrap();
-        for position in known_lights(&name).iter().take(2) {
-            let range = low.distance(high) * 2.0;
-            let light = PointLight { position: Vec3::from(*position), range, near: range * 1e-5, ..Default::default() };
-            assert_same(&mut casters, light, 512, &name);
-        }
+        assert_routed_is_unrouted(&mut soup(&triangles, Sides::Auto), light, 300, "shells");
     }
 }
 
@@ -101,7 +68,7 @@ fn the_hall() {
     let mut casters = Casters::new(&gpu().device);
     fill(&mut casters, gpu(), &scene, Sides::Auto).unwrap();
     let light = PointLight { position: scene.lights[0].position, range: 60.0, ..Default::default() };
-    assert_same(&mut casters, light, 1024, "the hall");
+    assert_routed_is_unrouted(&mut casters, light, 1024, "the hall");
 }
 
 #[test]
@@ -118,32 +85,12 @@ fn two_runs_give_the_same_bits() {
     assert!(first.depth.iter().zip(&second.depth).all(|(a, b)| a.to_bits() == b.to_bits()));
 }
 
+/// Many walls that fill the view behind one another: far more pieces than there is room for. Drawn exactly and drawn in
+/// pieces, the map is as near to the ray-cast one.
 #[test]
 fn more_pieces_than_room_are_drawn_exactly() {
-    // Many walls that fill the view behind one another, at the finest tolerance: far more pieces than there is room
-    // for. What is drawn exactly agrees with what is drawn in pieces within the tolerance.
     let mut rng = Pcg64::seed_from_u64(9);
-    let mut triangles = Vec::new();
-    for _ in 0..100 {
-        triangles.extend(shell(0, &mut rng).into_iter().map(|t| t.map(|p| p * 2.0)));
-    }
-    let light = PointLight { range: 100.0, ..Default::default() };
-    let mut casters = soup(&triangles, Sides::Both);
-    let mut shadows = PointShadows::new(&gpu().device, &descriptor(64)).unwrap();
-    let id = shadows.add(light).unwrap();
-    let mut next = || {
-        gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters)).unwrap();
-        gpu().wait();
-        (Map::read(&shadows, id), gpu().statistics(&shadows).without_room[0])
-    };
-    let (map, without_room) = next();
-    assert!(without_room > 0, "the scene is meant to overflow");
-    assert!(map.discs().all(|texel| texel.depth > 0.0));
-    let (whole, without_room) = next();
-    assert_eq!(without_room, 0, "the next recording has room");
-    for (exact, pieces) in map.discs().zip(whole.discs()) {
-        // Half a texel across a surface seen at a slant of at most 80 degrees, at 64 texels.
-        let close = (exact.depth - pieces.depth).abs() <= 0.25 * pieces.depth;
-        assert!(close, "{exact:?} is {} when drawn in pieces", pieces.depth);
-    }
+    let walls = (0..100).flat_map(|_| shell(0, &mut rng));
+    let scene = scene([mesh_of(&walls.map(|t| t.map(|p| p * 2.0)).collect::<Vec<_>>())]);
+    assert_exact_without_room(&scene, PointLight { range: 100.0, ..Default::default() });
 }
