@@ -67,9 +67,10 @@ fn what_came_and_went_is_given_back() -> Result<(), String> {
     let mut shadows = PointShadows::new(&gpu.device, &descriptor).unwrap();
     shadows.add(PointLight::default()).unwrap();
     for _ in 0..2 {
-        let (mesh, _) = add_spheres(&mut casters, 10_000);
+        let (mesh, instances) = add_spheres(&mut casters, 10_000);
         record(&gpu, &mut shadows, &mut casters);
         assert_allocated(&gpu, casters.memory() + shadows.memory());
+        instances.into_iter().for_each(|instance| casters.remove_instance(instance).unwrap());
         casters.remove_mesh(mesh).unwrap();
         record(&gpu, &mut shadows, &mut casters);
         assert_allocated(&gpu, casters.memory() + shadows.memory());

@@ -78,7 +78,7 @@ fn ignorable(
 }
 
 fn folder() -> Result<PathBuf, String> {
-    scenes_dir().ok_or_else(|| "no folder of test scenes: DP_SCENES names none, see docs/scenes.md".to_owned())
+    scenes_dir().ok_or_else(|| "no folder of test scenes: name one in DP_SCENES, see docs/scenes.md".to_owned())
 }
 
 fn file(scene: &Stated) -> Result<PathBuf, String> {
