@@ -11,7 +11,7 @@ use dual_paraboloid::{Casters, PointLight, Sides};
 use glam::Vec3;
 use libtest_mimic::Trial;
 
-/// Scenes with holes that matter. The sails of dutch_ship have none.
+/// Scenes with holes that matter. The sails of `dutch_ship` have none.
 const HOLES: [&str; 2] = ["house_masked", "alpha_modes"];
 
 /// Scenes that are asked whether filters leave even light and even dark alone.
