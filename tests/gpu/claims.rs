@@ -134,9 +134,10 @@ pub fn assert_exact_without_room(scene: &Scene, light: PointLight) {
         let off = errors.iter().filter(|error| **error > bound).count();
         let worst = errors.iter().copied().fold(0.0, f64::max);
         assert_eq!(off, 0, "of {} texels, by up to {worst} footprints; {statistics:?}", errors.len());
-        // Nearer to an edge a texel may show the other side of it, and nothing else.
+        // At an edge a texel may show the other side of it: edges are drawn within two fifths of the tolerance of their place,
+        // and on the rasteriser's grid. An eighth of a texel is what the search for silhouettes resolves above that.
         let map = made.figures(gpu(), &truth).map;
-        assert_eq!(map.strays, 0, "{map:?}; {statistics:?}");
+        assert!(map.silhouette_distance_max <= 0.125, "{map:?}; {statistics:?}");
         record(&mut made);
     }
 }
