@@ -180,6 +180,27 @@ impl Baseline {
         u64::from(map.width()) * u64::from(map.height()) * u64::from(map.depth_or_array_layers())
     }
 
+    /// Bytes of the maps of one light: what each further light costs.
+    #[must_use]
+    pub fn bytes_per_light(&self) -> u64 {
+        4 * self.texels()
+    }
+
+    /// Bytes of the scene that only this method needs, however many lights there are.
+    #[must_use]
+    pub fn bytes_scene(&self, scene: &DeviceScene) -> u64 {
+        match &self.kind {
+            Kind::Pair(_) | Kind::CubeRouted(_) => scene.chunked.memory(),
+            Kind::VertexWarp(_) | Kind::Cube(_) | Kind::CubeMultiview(_) | Kind::DepthView(_) => 0,
+        }
+    }
+
+    /// Bytes that lights share by taking turns.
+    #[must_use]
+    pub fn bytes_workspace(&self) -> u64 {
+        self.memory() - self.bytes_per_light()
+    }
+
     /// Bytes on the GPU: the map, and what recording it takes beside the scene.
     #[must_use]
     pub fn memory(&self) -> u64 {

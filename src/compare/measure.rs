@@ -4,7 +4,7 @@ mod judge;
 mod subject;
 
 pub use judge::{Answers, BIASES, Judge, Judged, pair_of_equal_texels};
-pub use subject::{LightChoice, PROCEDURAL, choose_light, find_scene, select_scenes};
+pub use subject::{LightChoice, PROCEDURAL, choose_light, find_scene, is_made_in_code, select_scenes};
 
 use super::error_figures::{MapError, ShadowError, ShadowReport, map_error, shadow_error};
 use super::error_figures::{Receiver, ideal_shadows, per_million, sample_receivers, truth};

@@ -88,6 +88,16 @@ impl Method {
         }
     }
 
+    /// The method whose maps have the same contents, of which this one's differ by rounding at most: what is fitted to
+    /// the one is fitted to the other.
+    #[must_use]
+    pub fn same_map(self) -> Self {
+        match self {
+            Self::CubeUnculled | Self::CubeRouted | Self::CubeMultiview => Self::Cube,
+            _ => self,
+        }
+    }
+
     /// Squares that the map consists of.
     #[must_use]
     pub fn squares(self) -> u32 {

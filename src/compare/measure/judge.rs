@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 use super::Truth;
 use crate::compare::baselines::{Baseline, ConstantBias, DeviceScene, Lookup};
@@ -123,6 +123,25 @@ impl<'a> Judge<'a> {
     ) -> Result<Option<Answers>, Error> {
         let bias = if lookup == Lookup::VertexWarp { self.find_bias(baseline, scene)? } else { None };
         Ok(self.ask(baseline, lookup, scene)?.map(|values| Answers { values, bias }))
+    }
+
+    /// Records the map with the light turned to `orientation`, and asks the lookup with the bias that it has: what
+    /// [`Self::answers`] fitted. `None` for a lookup that doesn't read the map.
+    ///
+    /// # Errors
+    /// [`Error::InvalidLight`].
+    pub fn answers_turned(
+        &mut self,
+        baseline: &mut Baseline,
+        lookup: Lookup,
+        scene: &mut DeviceScene,
+        orientation: Quat,
+    ) -> Result<Option<Vec<f32>>, Error> {
+        let turned = PointLight { orientation, ..self.light };
+        let own = std::mem::replace(&mut self.light, turned);
+        let values = self.ask(baseline, lookup, scene);
+        self.light = own;
+        values
     }
 
     /// Records the map as it is set, and asks the lookup.

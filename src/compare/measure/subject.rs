@@ -27,6 +27,12 @@ pub fn find_scene(name: &str) -> Result<Scene, SceneError> {
     }
 }
 
+/// Whether [`find_scene`] makes the scene of that name in code.
+#[must_use]
+pub fn is_made_in_code(name: &str) -> bool {
+    Procedural::parse(name).is_some()
+}
+
 /// The scenes that are wanted, each by a name that [`find_scene`] takes: a procedural scene, a file, or part of the
 /// name of files in the folder of test scenes ([`scenes_dir`]).
 ///
