@@ -4,7 +4,7 @@ use dual_paraboloid::compare::baselines::{
     Baseline, BaselineError, Budget, ConstantBias, CubeMultiview, DeviceScene, Lookup, Method, SceneBuffers,
 };
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::lookup_cost::{Kernel, LookupBench, Question};
+use dual_paraboloid::compare::lookup_cost::{Kernel, LookupBench, PassStage, Question};
 use dual_paraboloid::compare::procedural::{self, shapes};
 use dual_paraboloid::compare::scene::{Material, Scene, SceneInstance, SceneMesh};
 use dual_paraboloid::compare::shot::Shot;
@@ -418,13 +418,13 @@ fn screen_passes_answer_as_the_lookups_do() {
     let light = PointLight { position: Vec3::new(0.0, 4.0, 0.0), range: 40.0, ..Default::default() };
     let shot = Shot::take(&scene, &scene.suggest_camera(light.position), 96, 54);
     let bench = LookupBench::new(gpu(), &scene, &light, &shot, 128).unwrap();
-    let own = bench.answers(Question::Lookup(Lookup::Paraboloid));
+    let own = bench.answers(Question::Lookup(Lookup::Paraboloid), PassStage::Fragment);
     assert!(own.contains(&0.0) && own.contains(&1.0));
     // The same four texels, loaded one by one: weights and references differ by rounding.
-    let loaded = bench.answers(Question::Texels(2));
+    let loaded = bench.answers(Question::Texels(2), PassStage::Fragment);
     assert!(own.iter().zip(&loaded).filter(|(a, b)| (*a - *b).abs() > 1e-3).count() <= own.len() / 1000);
     let differing = |other: Question| {
-        let other = bench.answers(other);
+        let other = bench.answers(other, PassStage::Fragment);
         assert!(other.iter().all(|share| (0.0..=1.0 + 1e-6).contains(share)));
         own.iter().zip(&other).filter(|(a, b)| (**a >= 0.5) != (**b >= 0.5)).count()
     };
@@ -436,6 +436,12 @@ fn screen_passes_answer_as_the_lookups_do() {
         for question in [Question::Filter(kernel), Question::CubeFilter(kernel)] {
             assert!(differing(question) < own.len() / 5, "{}: {}", question.name(), differing(question));
         }
+    }
+    // Both kinds of pass say the same; compilers may round differently.
+    for question in Question::all() {
+        let [compute, fragment] = [PassStage::Compute, PassStage::Fragment].map(|stage| bench.answers(question, stage));
+        let differing = compute.iter().zip(&fragment).filter(|(a, b)| (*a - *b).abs() > 1e-3).count();
+        assert!(differing <= own.len() / 500, "{}: {differing} pixels", question.name());
     }
 }
 

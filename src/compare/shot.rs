@@ -24,9 +24,18 @@ impl Shot {
     /// Casts a ray through the middle of each pixel.
     #[must_use]
     pub fn take(scene: &Scene, camera: &Camera, width: u32, height: u32) -> Self {
+        Self::look(&reference(scene, camera), camera, width, height)
+    }
+
+    /// [`Self::take`] at several sizes.
+    #[must_use]
+    pub fn take_sizes(scene: &Scene, camera: &Camera, sizes: &[(u32, u32)]) -> Vec<Self> {
+        let reference = reference(scene, camera);
+        sizes.iter().map(|&(width, height)| Self::look(&reference, camera, width, height)).collect()
+    }
+
+    fn look(reference: &Reference, camera: &Camera, width: u32, height: u32) -> Self {
         let rays = Rays::new(camera, width, height);
-        let triangles = scene.world_triangles();
-        let reference = Reference::new(&triangles.corners, None, rays.eye).with_cut_outs(scene.cut_outs(&triangles));
         let look = |pixel: usize| {
             let direction = rays.direction(pixel);
             let hit = reference.nearest(direction, 0.0)?;
@@ -36,6 +45,13 @@ impl Shot {
         let pixels = width as usize * height as usize;
         Self { width, height, eye: rays.eye, seen: (0..pixels).into_par_iter().filter_map(look).collect() }
     }
+}
+
+/// The scene around the camera's eye.
+fn reference(scene: &Scene, camera: &Camera) -> Reference {
+    let triangles = scene.world_triangles();
+    let eye = camera.eye.as_dvec3();
+    Reference::new(&triangles.corners, None, eye).with_cut_outs(scene.cut_outs(&triangles))
 }
 
 fn receiver(point: DVec3, normal: DVec3, triangle: u32) -> Receiver {
