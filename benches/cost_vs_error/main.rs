@@ -9,11 +9,14 @@ mod report;
 
 use anyhow::{Context, bail, ensure};
 use arguments::Arguments;
-use dual_paraboloid::compare::baselines::{Budget, DeviceScene, Method};
-use dual_paraboloid::compare::cost::{Plan, Rule, SceneCosts, Subject};
+use dual_paraboloid::PointLight;
+use dual_paraboloid::compare::baselines::{DeviceScene, Method};
+use dual_paraboloid::compare::cost::{Origin, Plan, Rule, SceneCosts, Subject, orientations};
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene};
+use dual_paraboloid::compare::lookup_cost::Screens;
+use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene, is_made_in_code};
 use dual_paraboloid::compare::scene::Scene;
+use dual_paraboloid::compare::shot::Shot;
 use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::compare::timing::Timer;
 use figures::{Figures, main_resolution};
@@ -48,8 +51,10 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         adapter: gpu.name(),
         clock: timer.clock(),
         samples: arguments.samples,
+        orientations: arguments.orientations,
         seed: arguments.seed,
         runs: arguments.runs,
+        screens: arguments.screens.clone(),
         resolutions: arguments.resolution.clone(),
         main: main_resolution(&arguments.resolution),
         scenes: Vec::new(),
@@ -75,7 +80,7 @@ fn plan(arguments: &Arguments, gpu: &Gpu) -> (Plan, Vec<String>) {
     let left_out = others.iter().map(|method| format!("{method}: it can't be made, or not right, on {}", gpu.name()));
     let plan = Plan {
         methods,
-        budgets: vec![Budget::EqualTexels, Budget::EqualSide],
+        main: main_resolution(&arguments.resolution),
         runs: arguments.runs as usize,
         most: Duration::from_secs(arguments.seconds.into()),
     };
@@ -91,15 +96,23 @@ struct Bench<'a> {
     bar: ProgressBar,
 }
 
-impl Bench<'_> {
+/// A scene to be measured, and what is the same under all rules.
+struct Setting<'a> {
+    scene: Scene,
+    origin: Origin,
+    light: PointLight,
+    screens: Screens<'a>,
+}
+
+impl<'a> Bench<'a> {
     /// Measures a scene under all rules. What the device can't do is left out, and `figures` says so.
     fn measure(&self, name: &str, figures: &mut Figures) -> anyhow::Result<()> {
         self.bar.set_message(format!("{name}: the scene"));
-        // The other methods know no holes.
-        let scene = find_scene(name)?.without_holes();
+        let mut setting = self.setting(name)?;
         for &rule in &self.arguments.rules {
             let started = Instant::now();
-            match self.gpu.attempt(|| self.costs(&scene, rule)).map_err(Into::into).and_then(|costs| costs) {
+            let measured = self.gpu.attempt(|| self.costs(&mut setting, rule));
+            match measured.map_err(Into::into).and_then(|costs| costs) {
                 Ok(costs) => {
                     let seconds = started.elapsed().as_secs_f64();
                     self.bar.suspend(|| eprintln!("{}, {rule}: measured in {seconds:.1} s", costs.scene));
@@ -108,26 +121,38 @@ impl Bench<'_> {
                     figures.scenes.push(costs);
                 }
                 Err(error) => {
-                    let why = one_line(format!("{error:#}"));
-                    self.bar.suspend(|| eprintln!("{}, {rule}: left out: {why}", scene.name));
-                    figures.left_out.push(format!("{}, {rule}: {why}", scene.name));
+                    let (scene, why) = (&setting.scene.name, one_line(format!("{error:#}")));
+                    self.bar.suspend(|| eprintln!("{scene}, {rule}: left out: {why}"));
+                    figures.left_out.push(format!("{scene}, {rule}: {why}"));
                 }
             }
         }
         Ok(())
     }
 
-    fn costs(&self, scene: &Scene, rule: Rule) -> anyhow::Result<SceneCosts> {
+    fn setting(&self, name: &str) -> anyhow::Result<Setting<'a>> {
+        // The other methods know no holes.
+        let scene = find_scene(name)?.without_holes();
+        let (light, _) = choose_light(&scene, None, None);
+        let shots = Shot::take_sizes(&scene, &scene.suggest_camera(light.position), &self.arguments.screens);
+        let origin = if is_made_in_code(name) { Origin::Code } else { Origin::File };
+        Ok(Setting { origin, light, screens: Screens::new(self.gpu, &shots, &light), scene })
+    }
+
+    fn costs(&self, setting: &mut Setting<'a>, rule: Rule) -> anyhow::Result<SceneCosts> {
+        let Setting { scene, origin, light, screens } = setting;
         let message = |what: &str| self.bar.set_message(format!("{}, {rule}: {what}", scene.name));
-        let (light, _) = choose_light(scene, None, None);
         message("casters");
         let casters = DeviceScene::new(self.gpu, scene, rule.sides())?;
         message("the truth");
         let (samples, seed) = (self.arguments.samples as usize, self.arguments.seed);
-        let truth = Truth::with_sides(scene, &light, rule.sides(), samples, seed);
+        let truth = Truth::with_sides(scene, light, rule.sides(), samples, seed);
         ensure!(!truth.receivers.is_empty(), "its light reaches no surface");
-        let judge = Judge::new(self.gpu, light, &truth);
-        let mut subject = Subject { gpu: self.gpu, timer: self.timer, casters, judge };
+        let orientations = orientations(self.arguments.orientations as usize, seed);
+        let turned = PointLight { orientation: orientations[0], ..*light };
+        let judge = Judge::new(self.gpu, turned, &truth);
+        let mut subject =
+            Subject { gpu: self.gpu, timer: self.timer, casters, light: *light, orientations, judge, screens };
         let (mut costs, mut left_out) = (Vec::new(), Vec::new());
         for &pair in &self.arguments.resolution {
             message(&format!("R = {pair}"));
@@ -136,7 +161,8 @@ impl Bench<'_> {
             left_out.extend(without);
             self.bar.inc(1);
         }
-        Ok(SceneCosts { scene: scene.name.clone(), triangles: scene.triangle_count(), rule, costs, left_out })
+        let (scene, triangles) = (scene.name.clone(), scene.triangle_count());
+        Ok(SceneCosts { scene, origin: *origin, triangles, rule, costs, left_out })
     }
 }
 

@@ -29,9 +29,9 @@ pub struct Plan {
 }
 
 /// A scene with its light, ready to be measured.
-pub struct Subject<'a> {
+pub struct Subject<'a, 'gpu> {
     /// The device.
-    pub gpu: &'a Gpu,
+    pub gpu: &'gpu Gpu,
     /// Measures on that device.
     pub timer: &'a Timer<'a>,
     /// The casters.
@@ -43,7 +43,7 @@ pub struct Subject<'a> {
     /// Judges maps of the light in the first orientation, by a truth under the same rule for sides as the casters'.
     pub judge: Judge<'a>,
     /// What a camera sees, for the time of lookups.
-    pub screens: &'a mut Screens<'a>,
+    pub screens: &'a mut Screens<'gpu>,
 }
 
 /// A method at a size.
@@ -63,7 +63,7 @@ struct Pass {
     stage: PassStage,
 }
 
-impl Subject<'_> {
+impl Subject<'_, '_> {
     /// Measures all methods against a pair of `pair` texels across each map, their times interleaved. Returns also
     /// what was left out, for what reason.
     ///
