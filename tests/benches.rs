@@ -56,6 +56,7 @@ fn check_costs(scene: &Value) {
         ("depth-view", 2),
         ("cube", 4),
         ("cube-unculled", 4),
+        ("cube-16", 4),
         ("cube-routed", 4),
     ] {
         let of: Vec<&Value> = costs.iter().filter(|cost| cost["method"] == method).collect();
@@ -64,7 +65,12 @@ fn check_costs(scene: &Value) {
             assert!(cost["gpu"]["ms_median"].as_f64() > Some(0.0), "{cost}");
             assert!(cost["cpu"]["ms_median"].as_f64() > Some(0.0), "{cost}");
             let errors = cost["errors"].as_array().expect("a list of errors").len();
-            let lookups = if method.starts_with("cube") { 2 } else { usize::from(method != "depth-view") };
+            let lookups = match method {
+                "depth-view" => 0,
+                "paraboloid" => 1,
+                "vertex-warp" | "cube-16" => 2,
+                _ => 3,
+            };
             assert_eq!(errors, lookups, "{cost}");
             assert_eq!(cost["stages"].is_null(), method != "paraboloid", "{cost}");
         }

@@ -9,7 +9,7 @@ mod report;
 
 use anyhow::{Context, bail, ensure};
 use arguments::Arguments;
-use dual_paraboloid::compare::baselines::{Budget, DeviceScene, Method};
+use dual_paraboloid::compare::baselines::{Budget, DeviceScene};
 use dual_paraboloid::compare::cost::{Plan, Rule, SceneCosts, Subject};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene};
@@ -70,9 +70,9 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// What is measured at each resolution, and which methods the device can't do.
 fn plan(arguments: &Arguments, gpu: &Gpu) -> (Plan, Vec<String>) {
-    let (methods, others): (Vec<Method>, Vec<Method>) =
-        arguments.methods.iter().partition(|method| method.is_available(gpu));
-    let left_out = others.iter().map(|method| format!("{method}: it can't be made, or not right, on {}", gpu.name()));
+    let methods = arguments.methods.iter().copied().filter(|method| method.is_available(gpu)).collect();
+    let left_out =
+        arguments.methods.iter().filter_map(|method| Some(format!("{method}: left out: {}", method.left_out(gpu)?)));
     let plan = Plan {
         methods,
         budgets: vec![Budget::EqualTexels, Budget::EqualSide],

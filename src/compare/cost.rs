@@ -15,7 +15,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-use super::baselines::{Budget, Lookup, Method};
+use super::baselines::{Bias, Budget, Lookup, Method};
 use super::timing::{Summary, as_milliseconds, milliseconds};
 use crate::Sides;
 use serde::Serialize;
@@ -105,8 +105,8 @@ pub struct LookupError {
     pub lookup: Lookup,
     /// Wrong answers, in parts per million of the samples.
     pub wrong_ppm: f64,
-    /// The constant bias that was best, in world units; the vertex warp's alone.
-    pub bias: Option<f32>,
+    /// The bias that was best; `None` of lookups whose bias is fixed.
+    pub bias: Option<Bias>,
 }
 
 /// Shares of a recording's time, from the medians of recordings that stop early. Written out in milliseconds.

@@ -71,7 +71,9 @@ impl Question {
             Self::Lookup(Lookup::Paraboloid) => "dp_shadow, 2x2 gathered",
             Self::Lookup(Lookup::Filtered) => "dp_shadow_filtered",
             Self::Lookup(Lookup::VertexWarp) => "vertex warp, 2x2 by hardware",
+            Self::Lookup(Lookup::VertexWarpShipped) => "vertex warp, shipped bias, 2x2 by hardware",
             Self::Lookup(Lookup::CubeHardware) => "cube, 2x2 by hardware",
+            Self::Lookup(Lookup::CubeShipped) => "cube, shipped bias, 2x2 by hardware",
             Self::Lookup(Lookup::CubePlane) => "cube, plane bias, 2x2 gathered",
             Self::Texels(1) => "dp_shadow, 1 texel",
             Self::Texels(2) => "dp_shadow, 4 texels loaded",
@@ -92,8 +94,10 @@ impl Question {
         match self {
             Self::Nothing | Self::Texels(_) | Self::Filter(_) => Method::Paraboloid,
             Self::Lookup(Lookup::Paraboloid | Lookup::Filtered) => Method::Paraboloid,
-            Self::Lookup(Lookup::VertexWarp) => Method::VertexWarp,
-            Self::Lookup(Lookup::CubeHardware | Lookup::CubePlane) | Self::CubeFilter(_) => Method::Cube,
+            Self::Lookup(Lookup::VertexWarp | Lookup::VertexWarpShipped) => Method::VertexWarp,
+            Self::Lookup(Lookup::CubeHardware | Lookup::CubeShipped | Lookup::CubePlane) | Self::CubeFilter(_) => {
+                Method::Cube
+            }
         }
     }
 

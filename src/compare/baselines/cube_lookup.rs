@@ -74,12 +74,7 @@ impl CubeLookup {
         for lookup in [Lookup::CubeHardware, Lookup::CubePlane] {
             record.set_bias(lookup, lookup.default_bias().unwrap_or_default());
         }
-        Self {
-            group: gpu::bind_group(device, "compare::cube_lookup", &layout, &resources),
-            layout,
-            light,
-            record,
-        }
+        Self { group: gpu::bind_group(device, "compare::cube_lookup", &layout, &resources), layout, light, record }
     }
 
     pub(super) fn bind_group(&self) -> (&wgpu::BindGroup, &wgpu::BindGroupLayout) {

@@ -3,7 +3,7 @@
 use super::culling::OrientedBox;
 use super::instanced::InstancedView;
 use crate::light::PointLight;
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
 /// Width in texels of the guard band around a face's quarter circle. Bilinear filtering of a direction on the border
 /// takes texels whose centres lie up to half a texel beyond it; the other half is room for rounding. So every tap is in
@@ -68,7 +68,7 @@ impl DepthMapping {
         }
         // The axis lies farthest off in a face's corner.
         let along_axis = nearest / (1.0 + 2.0 * half_width * half_width).sqrt();
-        Self::finite((0.999 * along_axis).clamp(light.near, 0.5 * light.range.max(light.near)), light.range)
+        Self::finite((0.999 * along_axis).min(0.5 * light.range).max(light.near), light.range)
     }
 }
 

@@ -226,12 +226,7 @@ impl Facing {
 struct Pipelines([wgpu::RenderPipeline; 3]);
 
 impl Pipelines {
-    fn new(
-        device: &wgpu::Device,
-        kind: PassKind,
-        format: wgpu::TextureFormat,
-        views: &wgpu::BindGroupLayout,
-    ) -> Self {
+    fn new(device: &wgpu::Device, kind: PassKind, format: wgpu::TextureFormat, views: &wgpu::BindGroupLayout) -> Self {
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("dual_paraboloid::compare::instanced"),
             bind_group_layouts: &[Some(views), Some(&SceneBuffers::layout(device))],

@@ -2,6 +2,7 @@
 
 use super::{cube_lookup, vertex_warp};
 use serde::Serialize;
+use std::fmt;
 
 /// A shadow lookup in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -71,7 +72,8 @@ impl Lookup {
     #[must_use]
     pub fn default_bias(self) -> Option<Bias> {
         match self {
-            Self::VertexWarp | Self::CubeHardware => Some(Bias { depth: 0.08, normal: 0.85, ..Bias::default() }),
+            Self::VertexWarp => Some(Bias { depth: 0.08, ..Bias::default() }),
+            Self::CubeHardware => Some(Bias { depth: 0.08, normal: 0.85, ..Bias::default() }),
             Self::CubePlane => Some(Bias { ray: 0.05, ..Bias::default() }),
             Self::Paraboloid | Self::Filtered | Self::VertexWarpShipped | Self::CubeShipped => None,
         }
@@ -88,4 +90,17 @@ pub struct Bias {
     pub ray: f32,
     /// Along the normal, in texel footprints at the receiver.
     pub normal: f32,
+}
+
+impl fmt::Display for Bias {
+    /// The parts that aren't 0.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let parts = [("depth", self.depth), ("ray", self.ray), ("normal", self.normal)];
+        let parts: Vec<String> = parts
+            .into_iter()
+            .filter(|(_, part)| *part != 0.0)
+            .map(|(name, part)| format!("{name} {part:.2e}"))
+            .collect();
+        f.pad(&if parts.is_empty() { "0".to_owned() } else { parts.join(", ") })
+    }
 }
