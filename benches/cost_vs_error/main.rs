@@ -10,7 +10,7 @@ mod report;
 use anyhow::{Context, bail, ensure};
 use arguments::Arguments;
 use dual_paraboloid::PointLight;
-use dual_paraboloid::compare::baselines::{DeviceScene, Method};
+use dual_paraboloid::compare::baselines::DeviceScene;
 use dual_paraboloid::compare::cost::{Origin, Plan, Rule, SceneCosts, Subject, orientations};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::lookup_cost::Screens;
@@ -75,9 +75,9 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// What is measured at each resolution, and which methods the device can't do.
 fn plan(arguments: &Arguments, gpu: &Gpu) -> (Plan, Vec<String>) {
-    let (methods, others): (Vec<Method>, Vec<Method>) =
-        arguments.methods.iter().partition(|method| method.is_available(gpu));
-    let left_out = others.iter().map(|method| format!("{method}: it can't be made, or not right, on {}", gpu.name()));
+    let methods = arguments.methods.iter().copied().filter(|method| method.is_available(gpu)).collect();
+    let left_out =
+        arguments.methods.iter().filter_map(|method| Some(format!("{method}: left out: {}", method.left_out(gpu)?)));
     let plan = Plan {
         methods,
         main: main_resolution(&arguments.resolution),

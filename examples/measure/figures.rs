@@ -1,7 +1,7 @@
 //! All figures of all methods.
 
 use crate::arguments::{Arguments, Entry};
-use anyhow::{anyhow, ensure};
+use anyhow::{anyhow, bail};
 use dual_paraboloid::compare::area_light::{SoftError, shares_of_sphere, soft_error};
 use dual_paraboloid::compare::baselines::{Baseline, DeviceScene, Lookup};
 use dual_paraboloid::compare::gpu::Gpu;
@@ -34,7 +34,9 @@ pub fn prepare(gpu: &Gpu, arguments: &Arguments) -> anyhow::Result<Vec<Measured>
         .iter()
         .map(|&entry| {
             let name = entry.name();
-            ensure!(entry.method.is_available(gpu), "{name} can't be made, or not right, on {}", gpu.name());
+            if let Some(reason) = entry.method.left_out(gpu) {
+                bail!("{name} is left out: {reason}");
+            }
             let resolution = entry.side(arguments);
             let tolerance = arguments.tolerance.unwrap_or(PointShadowsDescriptor::default().tolerance);
             let baseline = Baseline::with_tolerance(&gpu.device, entry.method, resolution, tolerance)?;

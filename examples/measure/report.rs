@@ -81,7 +81,7 @@ pub fn print_table(measured: &[Measured]) {
     line("bytes", &|one| Some(grouped(one.baseline.memory() as usize)));
     map_lines(&line);
     shadow_lines(&line);
-    line("bias, world units", &|one| Some(format!("{:.3e}", one.judged.as_ref()?.bias?)));
+    line("bias", &|one| Some(one.judged.as_ref()?.bias?.to_string()));
     line("time, ms: median", &|one| Some(time(one.time?.median)));
     line("  least", &|one| Some(time(one.time?.min)));
     line("  most", &|one| Some(time(one.time?.max)));

@@ -24,7 +24,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-use super::baselines::{Budget, Lookup, Method};
+use super::baselines::{Bias, Budget, Lookup, Method};
 use super::lookup_cost::PassStage;
 use super::timing::{Summary, as_milliseconds, milliseconds};
 use crate::Sides;
@@ -123,8 +123,8 @@ pub struct LookupCost {
     pub wrong_ppm_by_orientation: Vec<f64>,
     /// Receivers that were asked in each orientation.
     pub samples: usize,
-    /// The bias that was fitted, if the lookup has one.
-    pub bias: Option<f32>,
+    /// The bias that was found best; `None` of lookups whose bias is fixed.
+    pub bias: Option<Bias>,
     /// One pass over each screen.
     pub screens: Vec<ScreenTime>,
 }

@@ -12,6 +12,7 @@ mod shadow_error;
 
 pub use filter_error::{FilterError, LIT, filter_error};
 pub use map_error::{MapError, SURFACE_TOLERANCE, TexelVerdict, judge_texels, map_error};
+pub(in crate::compare) use receivers::distance_to_triangle;
 pub use receivers::{Receiver, ideal_shadows, sample_receivers, truth};
 pub use shadow_error::shadow_error;
 pub use shadow_error::{CREASE_DEPTH, FAR_TEXELS, ShadowError, ShadowReport, boundary_within, near_boundary};

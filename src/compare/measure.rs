@@ -1,9 +1,10 @@
 //! Figures of one scene, light and method, for people and for machines.
 
+mod bias;
 mod judge;
 mod subject;
 
-pub use judge::{Answers, BIASES, Judge, Judged, pair_of_equal_texels};
+pub use judge::{Answers, Judge, Judged, pair_of_equal_texels};
 pub use subject::{LightChoice, PROCEDURAL, choose_light, find_scene, is_made_in_code, select_scenes};
 
 use super::error_figures::{MapError, ShadowError, ShadowReport, map_error, shadow_error};

@@ -204,7 +204,7 @@ fn shortest_distance(corners: &[DVec3; 3], view: &View) -> f64 {
 }
 
 /// Distance from the origin to a triangle of non-zero area.
-fn distance_to_triangle(corners: &[DVec3; 3]) -> f64 {
+pub(in crate::compare) fn distance_to_triangle(corners: &[DVec3; 3]) -> f64 {
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     let inside = (0..3).all(|i| corners[i].cross(corners[(i + 1) % 3]).dot(normal) >= 0.0);
     if inside {

@@ -6,18 +6,20 @@ use std::collections::hash_map::Entry;
 use glam::{Quat, Vec3};
 
 use super::Truth;
-use crate::compare::baselines::{Baseline, ConstantBias, DeviceScene, Lookup};
-use crate::compare::error_figures::{FilterError, MapError, ShadowError, filter_error, map_error};
+use super::bias::{Grid, Score};
+use crate::compare::baselines::{Baseline, Bias, DeviceScene, Lookup, Method};
+use crate::compare::error_figures::{
+    FilterError, MapError, ShadowError, distance_to_triangle, filter_error, map_error,
+};
 use crate::compare::gpu::{Evaluator, Gpu};
 use crate::compare::ideal::{IdealMap, MapGeometry};
 use crate::{Error, Filter, PointLight};
 
-/// The constant biases that are tried for [`Lookup::VertexWarp`], in distances of the farthest receiver from the light:
-/// four to a decade.
-pub const BIASES: [f32; 17] = [
-    1.0e-5, 1.78e-5, 3.16e-5, 5.62e-5, 1.0e-4, 1.78e-4, 3.16e-4, 5.62e-4, 1.0e-3, 1.78e-3, 3.16e-3, 5.62e-3, 1.0e-2,
-    1.78e-2, 3.16e-2, 5.62e-2, 1.0e-1,
-];
+/// Receivers by which a bias is searched for, at most: every n-th of all.
+const SAMPLE: usize = 100_000;
+
+/// The best of the search, among which all receivers decide.
+const FINALISTS: usize = 8;
 
 /// What a method's errors are.
 pub struct Judged {
@@ -29,8 +31,8 @@ pub struct Judged {
     pub filter: Option<FilterError>,
     /// The ray-cast map and the errors of the lookup on it; the paraboloid's alone.
     pub ideal: Option<(IdealMap, ShadowError)>,
-    /// The bias that was the best of [`BIASES`], in world units; the vertex warp's alone.
-    pub bias: Option<f32>,
+    /// The bias that was found best; `None` of lookups whose bias is fixed.
+    pub bias: Option<Bias>,
     /// The map as it was judged; the paraboloid's alone.
     pub stored: Vec<f32>,
 }
@@ -39,8 +41,8 @@ pub struct Judged {
 pub struct Answers {
     /// From 0 (dark) to 1 (lit), one a receiver.
     pub values: Vec<f32>,
-    /// The bias that was the best of [`BIASES`], in world units; the vertex warp's alone.
-    pub bias: Option<f32>,
+    /// The bias that was found best; `None` of lookups whose bias is fixed.
+    pub bias: Option<Bias>,
 }
 
 /// Asks and judges lookups in the maps of one light of one scene.
@@ -50,14 +52,24 @@ pub struct Judge<'a> {
     truth: &'a Truth,
     inputs: Vec<(Vec3, Vec3)>,
     /// Those that were needed so far: all maps that a lookup reads are bound alike.
-    evaluators: HashMap<Lookup, Evaluator>,
+    evaluators: HashMap<(Lookup, Asked), Evaluator>,
+    /// Those that were found so far, by the method whose map is the same and the map's width.
+    biases: HashMap<(Method, u32, Lookup), Bias>,
+}
+
+/// Which receivers are asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Asked {
+    All,
+    /// Every n-th, [`SAMPLE`] or a little more.
+    Sample,
 }
 
 impl<'a> Judge<'a> {
     /// For maps of the light that the truth is of.
     #[must_use]
     pub fn new(gpu: &'a Gpu, light: PointLight, truth: &'a Truth) -> Self {
-        Self { gpu, light, truth, inputs: truth.inputs(), evaluators: HashMap::new() }
+        Self { gpu, light, truth, inputs: truth.inputs(), evaluators: HashMap::new(), biases: HashMap::new() }
     }
 
     /// The device.
@@ -110,8 +122,9 @@ impl<'a> Judge<'a> {
         }))
     }
 
-    /// Records a method's map and asks the lookup. `None` for a lookup that doesn't read the map. The vertex warp gets
-    /// the bias of [`BIASES`] with the fewest wrong answers, and keeps it; the cubes keep the bias they have.
+    /// Records a method's map and asks the lookup. `None` for a lookup that doesn't read the map. A lookup whose bias may
+    /// be chosen gets the one with the fewest wrong answers in this map, and keeps it. A 16-bit cube gets the nearest
+    /// surface's distance, and keeps that.
     ///
     /// # Errors
     /// [`Error::InvalidLight`].
@@ -121,12 +134,19 @@ impl<'a> Judge<'a> {
         lookup: Lookup,
         scene: &mut DeviceScene,
     ) -> Result<Option<Answers>, Error> {
-        let bias = if lookup == Lookup::VertexWarp { self.find_bias(baseline, scene)? } else { None };
-        Ok(self.ask(baseline, lookup, scene)?.map(|values| Answers { values, bias }))
+        if !baseline.method().is_read_by(lookup) {
+            return Ok(None);
+        }
+        if baseline.method() == Method::Cube16 {
+            baseline.set_nearest(self.nearest_surface());
+        }
+        self.record(baseline, scene)?;
+        let bias = self.find_bias(baseline, lookup);
+        Ok(self.ask(baseline, lookup, Asked::All).map(|values| Answers { values, bias }))
     }
 
-    /// Records the map with the light turned to `orientation`, and asks the lookup with the bias that it has: what
-    /// [`Self::answers`] fitted. `None` for a lookup that doesn't read the map.
+    /// [`Self::answers`] with the maps turned to another orientation, with the bias that the
+    /// baseline has since. `None` for a lookup that doesn't read the map.
     ///
     /// # Errors
     /// [`Error::InvalidLight`].
@@ -137,51 +157,79 @@ impl<'a> Judge<'a> {
         scene: &mut DeviceScene,
         orientation: Quat,
     ) -> Result<Option<Vec<f32>>, Error> {
-        let turned = PointLight { orientation, ..self.light };
-        let own = std::mem::replace(&mut self.light, turned);
-        let values = self.ask(baseline, lookup, scene);
-        self.light = own;
-        values
-    }
-
-    /// Records the map as it is set, and asks the lookup.
-    fn ask(
-        &mut self,
-        baseline: &mut Baseline,
-        lookup: Lookup,
-        scene: &mut DeviceScene,
-    ) -> Result<Option<Vec<f32>>, Error> {
-        let Gpu { device, queue, .. } = self.gpu;
-        let mut recorded = Ok(());
-        self.gpu.submit(|encoder| recorded = baseline.record(device, queue, encoder, scene, &self.light));
-        recorded?;
-        let evaluator = match self.evaluators.entry(lookup) {
-            Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(place) => match baseline.evaluator(self.gpu, lookup, &self.inputs) {
-                Some(evaluator) => place.insert(evaluator),
-                None => return Ok(None),
-            },
-        };
-        Ok(baseline.answers(self.gpu, evaluator))
-    }
-
-    /// Tries all biases of the vertex warp, and sets and returns the best.
-    fn find_bias(&mut self, baseline: &mut Baseline, scene: &mut DeviceScene) -> Result<Option<f32>, Error> {
-        let distances = self.inputs.iter().map(|(position, _)| position.distance(self.light.position));
-        let reach = distances.fold(0.0, f32::max);
-        let mut best: Option<(f64, f32)> = None;
-        for share in BIASES {
-            let depth = share * reach;
-            baseline.set_bias(ConstantBias { depth, normal: 0.0 });
-            let Some(values) = self.ask(baseline, Lookup::VertexWarp, scene)? else { return Ok(None) };
-            let wrong = self.truth.wrong_ppm(&values);
-            if best.is_none_or(|(least, _)| wrong < least) {
-                best = Some((wrong, depth));
-            }
+        if !baseline.method().is_read_by(lookup) {
+            return Ok(None);
         }
-        let bias = best.map(|(_, depth)| depth);
-        baseline.set_bias(ConstantBias { depth: bias.unwrap_or_default(), normal: 0.0 });
-        Ok(bias)
+        let turned = PointLight { orientation, ..self.light };
+        let Gpu { device, queue, .. } = self.gpu;
+        self.gpu.submit(|encoder| baseline.record(device, queue, encoder, scene, &turned))?;
+        Ok(self.ask(baseline, lookup, Asked::All))
+    }
+
+    fn record(&self, baseline: &mut Baseline, scene: &mut DeviceScene) -> Result<(), Error> {
+        let Gpu { device, queue, .. } = self.gpu;
+        self.gpu.submit(|encoder| baseline.record(device, queue, encoder, scene, &self.light))
+    }
+
+    /// What a lookup answers in a map as it is.
+    fn ask(&mut self, baseline: &Baseline, lookup: Lookup, asked: Asked) -> Option<Vec<f32>> {
+        let evaluator = match self.evaluators.entry((lookup, asked)) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(place) => {
+                let inputs: Vec<(Vec3, Vec3)> =
+                    self.inputs.iter().copied().step_by(asked.step(self.inputs.len())).collect();
+                place.insert(baseline.evaluator(self.gpu, lookup, &inputs)?)
+            }
+        };
+        baseline.answers(self.gpu, evaluator)
+    }
+
+    /// How wrong a lookup is with a bias.
+    fn score(&mut self, baseline: &mut Baseline, lookup: Lookup, bias: Bias, asked: Asked) -> Option<Score> {
+        baseline.set_bias(&self.gpu.queue, lookup, bias);
+        let values = self.ask(baseline, lookup, asked)?;
+        let lit = self.truth.lit.iter().copied().step_by(asked.step(self.inputs.len()));
+        Some(Score::new(&values, lit))
+    }
+
+    /// Sets and returns the best bias of a lookup in a recorded map; `None` for lookups whose bias is fixed.
+    fn find_bias(&mut self, baseline: &mut Baseline, lookup: Lookup) -> Option<Bias> {
+        let reach = self.inputs.iter().map(|(at, _)| at.distance(self.light.position)).fold(0.0, f32::max);
+        let grid = Grid::new(lookup, reach)?;
+        let map = (baseline.method().same_map(), baseline.map().width(), lookup);
+        let bias = match self.biases.get(&map) {
+            Some(known) => *known,
+            None => self.search(baseline, lookup, &grid),
+        };
+        self.biases.insert(map, bias);
+        baseline.set_bias(&self.gpu.queue, lookup, bias);
+        Some(bias)
+    }
+
+    fn search(&mut self, baseline: &mut Baseline, lookup: Lookup, grid: &Grid) -> Bias {
+        let worst = Score::WORST;
+        let mut found = grid.search(|bias| self.score(baseline, lookup, bias, Asked::Sample).unwrap_or(worst));
+        found.truncate(FINALISTS);
+        let scored =
+            found.into_iter().map(|bias| (bias, self.score(baseline, lookup, bias, Asked::All).unwrap_or(worst)));
+        scored.min_by(|a, b| a.1.compare(&b.1)).map_or_else(Bias::default, |(bias, _)| bias)
+    }
+
+    /// Distance from the light to the nearest surface, in world units.
+    fn nearest_surface(&self) -> f32 {
+        let distances = self.truth.reference.triangles().iter().map(distance_to_triangle);
+        // NaN, of triangles of no area, is passed over.
+        distances.fold(f64::from(self.light.range), f64::min) as f32
+    }
+}
+
+impl Asked {
+    /// How far apart the receivers are that are asked, of so many.
+    fn step(self, receivers: usize) -> usize {
+        match self {
+            Self::All => 1,
+            Self::Sample => (receivers / SAMPLE).max(1),
+        }
     }
 }
 
@@ -194,6 +242,12 @@ pub fn pair_of_equal_texels(texels: u64) -> MapGeometry {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn samples_are_spread_over_all_receivers() {
+        assert_eq!([5, 100_000, 199_999, 1_000_000].map(|all| Asked::Sample.step(all)), [1, 1, 1, 10]);
+        assert_eq!(Asked::All.step(1_000_000), 1);
+    }
 
     #[test]
     fn equal_texels() {
