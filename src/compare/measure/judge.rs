@@ -78,8 +78,7 @@ impl<'a> Judge<'a> {
         self.truth
     }
 
-    /// Records a method's map and judges what the lookup answers, as [`Self::answers`] has it. Wrong answers of a cube
-    /// are far from a boundary by the texels of the pair with as many texels ([`pair_of_equal_texels`]).
+    /// Records a method's map and judges what the lookup answers, as [`Self::answers`] has it.
     ///
     /// # Errors
     /// [`Error::InvalidLight`].
@@ -92,7 +91,7 @@ impl<'a> Judge<'a> {
         let truth = self.truth;
         let Some(Answers { values, bias }) = self.answers(baseline, lookup, scene)? else { return Ok(None) };
         let Some(shadows) = baseline.shadows() else {
-            let shadow = truth.judge(&values, &pair_of_equal_texels(baseline.texels()));
+            let shadow = truth.judge(&values);
             return Ok(Some(Judged { map: None, shadow, filter: None, ideal: None, bias, stored: Vec::new() }));
         };
         let guard = f64::from(shadows.half_width()) - 1.0;
@@ -102,7 +101,7 @@ impl<'a> Judge<'a> {
         let kernel = if lookup == Lookup::Filtered { self.light.filter } else { Filter::Bilinear };
         Ok(Some(Judged {
             map: Some(map_error(&stored, &map, &truth.reference, &truth.view)),
-            shadow: truth.judge(&values, &geometry),
+            shadow: truth.judge(&values),
             filter: Some(filter_error(truth, &values, &geometry, kernel)),
             ideal: Some((map, error)),
             bias,
@@ -163,23 +162,5 @@ impl<'a> Judge<'a> {
         let bias = best.map(|(_, depth)| depth);
         baseline.set_bias(ConstantBias { depth: bias.unwrap_or_default(), normal: 0.0 });
         Ok(bias)
-    }
-}
-
-/// The pair without guard bands that has about as many texels: itself for a pair, `sqrt(3) C` across for a cube of C.
-#[must_use]
-pub fn pair_of_equal_texels(texels: u64) -> MapGeometry {
-    MapGeometry { resolution: ((texels as f64 / 2.0).sqrt().round() as u32).max(1), guard: 0.0 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn equal_texels() {
-        assert_eq!(pair_of_equal_texels(2 * 512 * 512).resolution, 512);
-        assert_eq!(pair_of_equal_texels(6 * 296 * 296).resolution, 513);
-        assert_eq!(pair_of_equal_texels(0).resolution, 1);
     }
 }
