@@ -176,13 +176,14 @@ mod tests {
         (-100..=100).map(|k| in_map(on_line(k)).distance(p)).fold(f64::INFINITY, f64::min) / PUBLISHED_PAIR.texel()
     }
 
-    /// Receivers found to be in a crease, and the distances of all from it.
+    /// Receivers found to be in a crease, and the distances of all from it; infinite for dark ones.
     fn found(triangles: &[[DVec3; 3]]) -> (Vec<usize>, Vec<f64>) {
         let view = view();
         let reference = Reference::new(triangles, None, DVec3::ZERO);
         let receivers = sample_receivers(&reference, &view, 300_000, 1);
         let lit = truth(&receivers, &reference, &view);
-        let distances = receivers.iter().map(|receiver| distance(receiver, &view)).collect();
+        let far = |(receiver, lit): (&Receiver, &bool)| if *lit { distance(receiver, &view) } else { f64::INFINITY };
+        let distances = receivers.iter().zip(&lit).map(far).collect();
         (lit_creases(&receivers, &lit, &reference, &view), distances)
     }
 
