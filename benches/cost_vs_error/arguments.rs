@@ -3,7 +3,7 @@
 use clap::Parser;
 use dual_paraboloid::compare::baselines::Method;
 use dual_paraboloid::compare::cost::{LADDER, Rule};
-use dual_paraboloid::compare::measure::select_scenes;
+use dual_paraboloid::compare::measure::{SCENES_IN_CODE, select_scenes};
 use dual_paraboloid::compare::scene::{SceneError, scene_files, scenes_dir};
 use dual_paraboloid::compare::text::parse_size;
 use std::path::PathBuf;
@@ -58,9 +58,6 @@ pub struct Arguments {
     bench: bool,
 }
 
-/// The scenes of the comparison that are made in code.
-const PROCEDURAL: [&str; 7] = ["few-large", "many-small", "long-hall", "hall", "dense-1m", "dense-4m", "dense-17m"];
-
 impl Arguments {
     /// The command line, filled in.
     pub fn read() -> Self {
@@ -84,6 +81,6 @@ impl Arguments {
         }
         let files = scenes_dir().map_or(Ok(Vec::new()), |folder| scene_files(&folder))?;
         let files = files.into_iter().map(|path| path.to_string_lossy().into_owned());
-        Ok(PROCEDURAL.map(str::to_owned).into_iter().chain(files).collect())
+        Ok(SCENES_IN_CODE.map(str::to_owned).into_iter().chain(files).collect())
     }
 }

@@ -82,25 +82,10 @@ nothing was wrong, curves have 3/n: {} ppm.",
 
 /// Against every other method and lookup: time at this library's error, error at equal texels and at equal bytes.
 fn main_table(figures: &Figures, scenes: &[&SceneCosts]) -> Table {
-    let mut table = Table::new(&[
-        "against",
-        "time: median",
-        "worst",
-        "in",
-        "mean",
-        "<",
-        ">",
-        "wins",
-        "wrong, equal texels: mean",
-        "pooled",
-        "worst",
-        "in",
-        "wins",
-        "wrong, equal bytes: mean",
-        "pooled",
-        "worst",
-        "wins",
-    ]);
+    let mut head = vec!["against", "time: median", "worst", "in", "mean", "<", ">", "wins"];
+    head.extend(["wrong, equal texels: median", "worst", "in", "mean", "pooled", "wins"]);
+    head.extend(["wrong, equal bytes: median", "worst", "in", "mean", "pooled", "wins"]);
+    let mut table = Table::new(&head);
     let main = figures.main;
     for rival in rivals(scenes) {
         let time = Ratios::new(scenes, |costs| costs.at_own_error(rival, Timed::HEADLINE, main)).summary();
@@ -111,9 +96,7 @@ fn main_table(figures: &Figures, scenes: &[&SceneCosts]) -> Table {
         let bytes = errors(SceneCosts::errors_at_equal_bytes);
         let mut cells = vec![rival.name()];
         cells.extend(time_cells(&time));
-        let [mean, pooled, worst, wins] = error_cells(&texels);
-        cells.extend([mean, pooled, worst, family(&texels.worst), wins]);
-        cells.extend(error_cells(&bytes));
+        cells.extend([texels, bytes].iter().flat_map(error_cells));
         table.row(cells);
     }
     table
@@ -133,12 +116,14 @@ fn time_cells(time: &RatioSummary) -> [String; 7] {
     ]
 }
 
-/// Mean, pooled, worst and wins.
-fn error_cells(errors: &ErrorRatios) -> [String; 4] {
+/// Median, worst, where, mean, pooled and wins.
+fn error_cells(errors: &ErrorRatios) -> [String; 6] {
     [
+        or_dash(errors.median.map(ratio_text)),
+        or_dash(errors.worst.as_ref().map(|(_, ratio)| ratio_text(*ratio))),
+        family(&errors.worst),
         or_dash(errors.mean.map(ratio_text)),
         or_dash(errors.pooled.map(ratio_text)),
-        or_dash(errors.worst.as_ref().map(|(_, ratio)| ratio_text(*ratio))),
         format!("{} of {}", errors.wins, errors.of),
     ]
 }

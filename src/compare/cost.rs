@@ -15,7 +15,7 @@ mod step;
 pub use bytes::{BreakEven, Bytes};
 pub use curve::{Curve, Point, Ratio, Reading, geometric_mean, pareto_front, shown_error};
 pub use error_ratios::{ERROR_FLOOR_PPM, ErrorPair, ErrorRatios, error_ratio};
-pub use orientations::orientations;
+pub use orientations::{TurnedErrors, orientations, turned_errors};
 pub use ratios::{RatioSummary, Ratios, SceneRatio};
 pub use scene_costs::{Contestant, Origin, SceneCosts};
 pub use step::{Plan, Subject};

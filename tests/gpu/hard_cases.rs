@@ -8,7 +8,7 @@ use dual_paraboloid::compare::measure::{Figures, Made, Truth, light_for};
 use dual_paraboloid::compare::procedural::shapes::{
     append, cuboid, cylinder, icosphere, quad, tetrahedron, torus_knot,
 };
-use dual_paraboloid::compare::scene::{Scene, SceneInstance, SceneMesh};
+use dual_paraboloid::compare::scene::{Material, Scene, SceneInstance, SceneMesh};
 use dual_paraboloid::paraboloid::double as paraboloid;
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use proptest::prelude::*;
@@ -25,11 +25,12 @@ const RATIO: f64 = 1.05;
 /// Wrong answers far from every boundary that the library may add, in parts per million.
 const FAR_WRONG: f64 = 20.0;
 
-/// Each mesh once, where it is.
+/// Each mesh once, where it is. Both sides are lit, so that rooms are seen from inside.
 pub fn scene(meshes: impl IntoIterator<Item = SceneMesh>) -> Scene {
     let meshes: Vec<SceneMesh> = meshes.into_iter().collect();
     let instances = (0..meshes.len()).map(|mesh| SceneInstance { mesh, transform: Affine3A::IDENTITY }).collect();
-    Scene { meshes, instances, ..Scene::default() }
+    let materials = vec![Material { double_sided: true, ..Material::default() }];
+    Scene { meshes, instances, materials, ..Scene::default() }
 }
 
 /// A room around the origin, 2 `half` wide.

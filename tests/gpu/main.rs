@@ -5,6 +5,7 @@ mod analytic;
 mod axis;
 mod caching;
 mod common;
+mod creases;
 mod custom;
 mod deforming;
 mod degenerate;

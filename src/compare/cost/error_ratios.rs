@@ -21,6 +21,8 @@ pub struct ErrorPair {
 /// The library's errors over another's: what is published together. Below 1 the library is less wrong.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ErrorRatios {
+    /// The middle one of the families' ratios, the upper of two.
+    pub median: Option<f64>,
     /// Geometric mean over the families.
     pub mean: Option<f64>,
     /// Sum of the library's errors over the sum of the other's. A family enters with its mean errors.
@@ -47,7 +49,10 @@ impl ErrorRatios {
         let ratios: Vec<f64> = families.iter().map(|family| family.ratio).collect();
         let sum = |of: fn(&Family) -> f64| families.iter().map(|family| of(family) + ERROR_FLOOR_PPM).sum::<f64>();
         let worst = families.iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio));
+        let mut sorted = ratios.clone();
+        sorted.sort_by(f64::total_cmp);
         Self {
+            median: sorted.get(sorted.len() / 2).copied(),
             mean: geometric_mean(&ratios),
             pooled: (!families.is_empty()).then(|| sum(|family| family.own_ppm) / sum(|family| family.other_ppm)),
             worst: worst.map(|family| (family.name.clone(), family.ratio)),
@@ -104,12 +109,12 @@ mod tests {
     }
 
     #[test]
-    fn four_figures_of_three_scenes() {
+    fn five_figures_of_three_scenes() {
         // Ratios 0.5, 4 and 1; sums 10 + 390 + 90 + 30 over 30 + 90 + 90 + 30.
         let ratios = ErrorRatios::new(&[pair("a", 10.0, 30.0), pair("b", 390.0, 90.0), pair("c", 90.0, 90.0)]);
         assert_relative_eq!(ratios.mean.unwrap(), 2f64.cbrt(), max_relative = 1e-12);
         assert_relative_eq!(ratios.pooled.unwrap(), 520.0 / 240.0, max_relative = 1e-12);
-        assert_eq!(ratios.worst, Some(("b".to_owned(), 4.0)));
+        assert_eq!((ratios.median, ratios.worst), (Some(1.0), Some(("b".to_owned(), 4.0))));
         assert_eq!((ratios.wins, ratios.of), (1, 3));
         assert_eq!(ErrorRatios::new(&[]), ErrorRatios::default());
     }

@@ -1,5 +1,8 @@
-//! How maps are turned while errors are counted.
+//! Errors in maps of random orientations.
 
+use crate::Error;
+use crate::compare::baselines::{Baseline, Bias, DeviceScene, Lookup};
+use crate::compare::measure::Judge;
 use glam::Quat;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -18,6 +21,44 @@ pub fn orientations(count: usize, seed: u64) -> Vec<Quat> {
         Quat::from_xyzw(short * sin_a, short * cos_a, long * sin_b, long * cos_b).normalize()
     };
     (0..count).map(|_| next()).collect()
+}
+
+/// How wrong a lookup is in maps of several orientations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TurnedErrors {
+    /// Wrong answers of each orientation, in parts per million.
+    pub wrong_ppm: Vec<f64>,
+    /// The bias that was found best in the first one, for all; `None` of lookups whose bias is fixed.
+    pub bias: Option<Bias>,
+}
+
+impl TurnedErrors {
+    /// Wrong answers over all orientations, in parts per million: as many receivers were asked in each.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.wrong_ppm.iter().sum::<f64>() / self.wrong_ppm.len().max(1) as f64
+    }
+}
+
+/// Asks a lookup in maps of all `orientations`, of which the first is that of the judge's light. `None` for a lookup that
+/// doesn't read the map.
+///
+/// # Errors
+/// [`Error::InvalidLight`].
+pub fn turned_errors(
+    judge: &mut Judge,
+    baseline: &mut Baseline,
+    lookup: Lookup,
+    scene: &mut DeviceScene,
+    orientations: &[Quat],
+) -> Result<Option<TurnedErrors>, Error> {
+    let Some(answers) = judge.answers(baseline, lookup, scene)? else { return Ok(None) };
+    let mut wrong_ppm = vec![judge.truth().wrong_ppm(&answers.values)];
+    for &orientation in orientations.iter().skip(1) {
+        let values = judge.answers_turned(baseline, lookup, scene, orientation)?;
+        wrong_ppm.extend(values.map(|values| judge.truth().wrong_ppm(&values)));
+    }
+    Ok(Some(TurnedErrors { wrong_ppm, bias: answers.bias }))
 }
 
 #[cfg(test)]

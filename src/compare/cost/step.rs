@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use glam::Quat;
 
-use super::{Bytes, Cost, LookupCost, ScreenTime, Stages};
+use super::{Bytes, Cost, LookupCost, ScreenTime, Stages, turned_errors};
 use crate::compare::baselines::{Baseline, Budget, DeviceScene, Method};
 use crate::compare::gpu::Gpu;
 use crate::compare::lookup_cost::{PassStage, Question, Screens};
@@ -38,7 +38,7 @@ pub struct Subject<'a, 'gpu> {
     pub casters: DeviceScene,
     /// The light, by whose own orientation times are taken: along the world's axes, as engines have their cubes.
     pub light: PointLight,
-    /// Those in which maps are made for their errors, at least one. Biases are fitted in the first.
+    /// Those in which maps are made for their errors, beginning with the judge's.
     pub orientations: Vec<Quat>,
     /// Judges maps of the light in the first orientation, by a truth under the same rule for sides as the casters'.
     pub judge: Judge<'a>,
@@ -130,20 +130,15 @@ impl Subject<'_, '_> {
     fn lookups(&mut self, baseline: &mut Baseline) -> Result<Vec<LookupCost>, Error> {
         let mut costs = Vec::new();
         for &lookup in baseline.method().lookups() {
-            let Some(answers) = self.judge.answers(baseline, lookup, &mut self.casters)? else { continue };
-            let mut wrong = vec![self.judge.truth().wrong_ppm(&answers.values)];
-            for &orientation in self.orientations.iter().skip(1) {
-                let values = self.judge.answers_turned(baseline, lookup, &mut self.casters, orientation)?;
-                wrong.extend(values.map(|values| self.judge.truth().wrong_ppm(&values)));
-            }
-            costs.push(LookupCost {
+            let errors = turned_errors(&mut self.judge, baseline, lookup, &mut self.casters, &self.orientations)?;
+            costs.extend(errors.map(|errors| LookupCost {
                 lookup,
-                wrong_ppm: wrong.iter().sum::<f64>() / wrong.len() as f64,
-                wrong_ppm_by_orientation: wrong,
-                samples: self.judge.truth().receivers.len(),
-                bias: answers.bias,
+                wrong_ppm: errors.mean(),
+                wrong_ppm_by_orientation: errors.wrong_ppm,
+                samples: self.judge.truth().counted(),
+                bias: errors.bias,
                 screens: Vec::new(),
-            });
+            }));
         }
         Ok(costs)
     }

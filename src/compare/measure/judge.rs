@@ -90,8 +90,7 @@ impl<'a> Judge<'a> {
         self.truth
     }
 
-    /// Records a method's map and judges what the lookup answers, as [`Self::answers`] has it. Wrong answers of a cube
-    /// are far from a boundary by the texels of the pair with as many texels ([`pair_of_equal_texels`]).
+    /// Records a method's map and judges what the lookup answers, as [`Self::answers`] has it.
     ///
     /// # Errors
     /// [`Error::InvalidLight`].
@@ -104,7 +103,7 @@ impl<'a> Judge<'a> {
         let truth = self.truth;
         let Some(Answers { values, bias }) = self.answers(baseline, lookup, scene)? else { return Ok(None) };
         let Some(shadows) = baseline.shadows() else {
-            let shadow = truth.judge(&values, &pair_of_equal_texels(baseline.texels()));
+            let shadow = truth.judge(&values);
             return Ok(Some(Judged { map: None, shadow, filter: None, ideal: None, bias, stored: Vec::new() }));
         };
         let guard = f64::from(shadows.half_width()) - 1.0;
@@ -114,7 +113,7 @@ impl<'a> Judge<'a> {
         let kernel = if lookup == Lookup::Filtered { self.light.filter } else { Filter::Bilinear };
         Ok(Some(Judged {
             map: Some(map_error(&stored, &map, &truth.reference, &truth.view)),
-            shadow: truth.judge(&values, &geometry),
+            shadow: truth.judge(&values),
             filter: Some(filter_error(truth, &values, &geometry, kernel)),
             ideal: Some((map, error)),
             bias,
@@ -188,8 +187,11 @@ impl<'a> Judge<'a> {
     fn score(&mut self, baseline: &mut Baseline, lookup: Lookup, bias: Bias, asked: Asked) -> Option<Score> {
         baseline.set_bias(&self.gpu.queue, lookup, bias);
         let values = self.ask(baseline, lookup, asked)?;
-        let lit = self.truth.lit.iter().copied().step_by(asked.step(self.inputs.len()));
-        Some(Score::new(&values, lit))
+        let truth = self.truth;
+        let asked = truth.receivers.iter().zip(&truth.lit).step_by(asked.step(self.inputs.len()));
+        let counted = asked.zip(values).filter(|((receiver, _), _)| receiver.counts(truth.view.position));
+        let (values, lit): (Vec<f32>, Vec<bool>) = counted.map(|((_, lit), value)| (value, *lit)).unzip();
+        Some(Score::new(&values, lit.into_iter()))
     }
 
     /// Sets and returns the best bias of a lookup in a recorded map; `None` for lookups whose bias is fixed.
@@ -233,12 +235,6 @@ impl Asked {
     }
 }
 
-/// The pair without guard bands that has about as many texels: itself for a pair, `sqrt(3) C` across for a cube of C.
-#[must_use]
-pub fn pair_of_equal_texels(texels: u64) -> MapGeometry {
-    MapGeometry { resolution: ((texels as f64 / 2.0).sqrt().round() as u32).max(1), guard: 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -247,12 +243,5 @@ mod tests {
     fn samples_are_spread_over_all_receivers() {
         assert_eq!([5, 100_000, 199_999, 1_000_000].map(|all| Asked::Sample.step(all)), [1, 1, 1, 10]);
         assert_eq!(Asked::All.step(1_000_000), 1);
-    }
-
-    #[test]
-    fn equal_texels() {
-        assert_eq!(pair_of_equal_texels(2 * 512 * 512).resolution, 512);
-        assert_eq!(pair_of_equal_texels(6 * 296 * 296).resolution, 513);
-        assert_eq!(pair_of_equal_texels(0).resolution, 1);
     }
 }

@@ -13,6 +13,10 @@ use crate::compare::scene::{Scene, SceneError, known_lights, scene_files, scenes
 /// The names that [`find_scene`] knows; `N` is a number, with `k` or `m` for thousands or millions.
 pub const PROCEDURAL: &str = "hall, few-large, many-small, many-small-N, dense-N (say dense-1m), long-hall";
 
+/// The scenes made in code that methods are compared on, those of a million triangles and more last.
+pub const SCENES_IN_CODE: [&str; 7] =
+    ["few-large", "many-small", "long-hall", "hall", "dense-1m", "dense-4m", "dense-17m"];
+
 /// Objects of `many-small` where no number is given.
 const MANY_SMALL: usize = 2000;
 
