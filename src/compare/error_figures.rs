@@ -14,6 +14,7 @@ mod shadow_error;
 pub use creases::{CREASE_ANGLE, CREASE_TEXELS, CreaseError, DARK_CREASE, crease_error, lit_creases};
 pub use filter_error::{FilterError, LIT, filter_error};
 pub use map_error::{MapError, SURFACE_TOLERANCE, TexelVerdict, judge_texels, map_error};
+pub(super) use receivers::is_lit;
 pub use receivers::{GRAZING, Receiver, SAMPLES, sample_receivers, truth};
 pub use shadow_error::{BOUNDARY_DEPTH, FAR_TEXELS, PUBLISHED_PAIR, ShadowError, ShadowReport};
 pub use shadow_error::{energy_ppm, near_boundary, shadow_error};

@@ -1,10 +1,12 @@
 //! Figures of one scene, light and method, for people and for machines.
 
 mod judge;
+mod pixels;
 mod subject;
 
 pub use judge::{Answers, BIASES, Judge, Judged};
-pub use subject::{LightChoice, PROCEDURAL, choose_light, find_scene, select_scenes};
+pub use pixels::{PixelError, Pixels};
+pub use subject::{LightChoice, PROCEDURAL, choose_camera, choose_light, find_scene, select_scenes};
 
 use super::error_figures::truth;
 use super::error_figures::{CreaseError, MapError, Receiver, ShadowError, ShadowReport};
@@ -33,6 +35,8 @@ pub struct Truth {
     pub receivers: Vec<Receiver>,
     /// Whether the light reaches each receiver.
     pub lit: Vec<bool>,
+    /// Which sides cast.
+    sides: reference::Sides,
     /// What [`Self::lit_creases`] found.
     creases: OnceLock<Vec<usize>>,
 }
@@ -61,7 +65,7 @@ impl Truth {
         let reference = Arc::new(reference(scene, view.position, sides));
         let receivers = sample_receivers(&reference, &view, samples, seed);
         let lit = truth(&receivers, &reference, &view);
-        Self { view, reference, receivers, lit, creases: OnceLock::new() }
+        Self { view, reference, receivers, lit, sides, creases: OnceLock::new() }
     }
 
     /// The same receivers and the same answers, for maps of the light turned to another orientation.
@@ -78,6 +82,7 @@ impl Truth {
             reference: Arc::clone(&self.reference),
             receivers: self.receivers.clone(),
             lit: self.lit.clone(),
+            sides: self.sides,
             creases: OnceLock::new(),
         }
     }
