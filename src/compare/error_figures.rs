@@ -15,6 +15,7 @@ pub use creases::{CREASE_ANGLE, CREASE_TEXELS, CreaseError, DARK_CREASE, crease_
 pub use filter_error::{FilterError, LIT, filter_error};
 pub use map_error::{MapError, SURFACE_TOLERANCE, TexelVerdict, judge_texels, map_error};
 pub(in crate::compare) use receivers::distance_to_triangle;
+pub(super) use receivers::is_lit;
 pub use receivers::{GRAZING, Receiver, SAMPLES, sample_receivers, truth};
 pub use shadow_error::{BOUNDARY_DEPTH, FAR_TEXELS, PUBLISHED_PAIR, ShadowError, ShadowReport};
 pub use shadow_error::{energy_ppm, near_boundary, shadow_error};

@@ -2,10 +2,13 @@
 
 mod bias;
 mod judge;
+mod pixels;
 mod subject;
 
 pub use judge::{Answers, Judge, Judged};
-pub use subject::{LightChoice, PROCEDURAL, SCENES_IN_CODE, choose_light, find_scene, is_made_in_code, select_scenes};
+pub use pixels::{PixelError, Pixels};
+pub use subject::{LightChoice, PROCEDURAL, SCENES_IN_CODE};
+pub use subject::{choose_camera, choose_light, find_scene, is_made_in_code, select_scenes};
 
 use super::error_figures::truth;
 use super::error_figures::{CreaseError, MapError, Receiver, ShadowError, ShadowReport};
@@ -34,6 +37,8 @@ pub struct Truth {
     pub receivers: Vec<Receiver>,
     /// Whether the light reaches each receiver.
     pub lit: Vec<bool>,
+    /// Which sides cast.
+    sides: reference::Sides,
     /// What [`Self::lit_creases`] found.
     creases: OnceLock<Vec<usize>>,
 }
@@ -62,7 +67,7 @@ impl Truth {
         let reference = Arc::new(reference(scene, view.position, sides));
         let receivers = sample_receivers(&reference, &view, samples, seed);
         let lit = truth(&receivers, &reference, &view);
-        Self { view, reference, receivers, lit, creases: OnceLock::new() }
+        Self { view, reference, receivers, lit, sides, creases: OnceLock::new() }
     }
 
     /// The same receivers and the same answers, for maps of the light turned to another orientation.
@@ -79,6 +84,7 @@ impl Truth {
             reference: Arc::clone(&self.reference),
             receivers: self.receivers.clone(),
             lit: self.lit.clone(),
+            sides: self.sides,
             creases: OnceLock::new(),
         }
     }

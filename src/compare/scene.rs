@@ -4,6 +4,7 @@
 //! the file names. World space is right-handed with +Y up, as in glTF; lengths are in the file's own unit.
 
 mod accessor;
+mod cameras;
 mod document;
 mod load;
 mod suggest;
@@ -13,6 +14,8 @@ use std::path::{Path, PathBuf};
 use glam::{Affine3A, DAffine3, DVec2, DVec3, Vec3};
 
 use super::{AlphaMask, CutOuts};
+
+pub use cameras::{STATED_SIZE, stated_camera};
 
 /// A scene: meshes, their instances, materials, images and point lights.
 #[derive(Clone, Debug, Default)]

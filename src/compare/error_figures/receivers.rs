@@ -97,15 +97,15 @@ pub fn sample_receivers(reference: &Reference, view: &View, n: usize, seed: u64)
 /// own triangle nor a surface that the position lies on within its rounding ([`Reference::occluded`]).
 #[must_use]
 pub fn truth(receivers: &[Receiver], reference: &Reference, view: &View) -> Vec<bool> {
-    receivers
-        .par_iter()
-        .map(|receiver| {
-            let target = receiver.relative(view.position);
-            let (x, _) = view.to_hemisphere(target);
-            let t_min = view.clip_distance(x.normalize());
-            !reference.occluded(target, Some(receiver.triangle), t_min, receiver.slack(view.position))
-        })
-        .collect()
+    receivers.par_iter().map(|receiver| is_lit(receiver, reference, view)).collect()
+}
+
+/// The [`truth`] of one receiver.
+pub(in crate::compare) fn is_lit(receiver: &Receiver, reference: &Reference, view: &View) -> bool {
+    let target = receiver.relative(view.position);
+    let (x, _) = view.to_hemisphere(target);
+    let t_min = view.clip_distance(x.normalize());
+    !reference.occluded(target, Some(receiver.triangle), t_min, receiver.slack(view.position))
 }
 
 /// A part of a triangle over which the distance to the light varies little.

@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::light_for;
 use crate::PointLight;
 use crate::compare::procedural;
-use crate::compare::scene::{Scene, SceneError, known_lights, scene_files, scenes_dir};
+use crate::compare::scene::{Camera, Scene, SceneError, known_lights, scene_files, scenes_dir, stated_camera};
 
 /// The names that [`find_scene`] knows; `N` is a number, with `k` or `m` for thousands or millions.
 pub const PROCEDURAL: &str = "hall, few-large, many-small, many-small-N, dense-N (say dense-1m), long-hall";
@@ -148,6 +148,14 @@ pub fn choose_light(scene: &Scene, position: Option<Vec3>, range: Option<f32>) -
     (PointLight { range, ..whole }, choice)
 }
 
+/// The camera to measure with: the scene's [`stated_camera`], unless there is none or the light was `Given`, perhaps in
+/// another room; then [`Scene::suggest_camera`].
+#[must_use]
+pub fn choose_camera(scene: &Scene, light: &PointLight, choice: LightChoice) -> Camera {
+    let stated = stated_camera(&scene.name).filter(|_| choice != LightChoice::Given);
+    stated.unwrap_or_else(|| scene.suggest_camera(light.position))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -188,5 +196,16 @@ mod tests {
         assert_eq!(choose_light(&scene, None, None).1, LightChoice::Suggested);
         scene.name = "barn_lamp".to_owned();
         assert_eq!(choose_light(&scene, None, None).1, LightChoice::Known);
+    }
+
+    #[test]
+    fn the_camera_is_the_stated_one_but_for_a_given_light() {
+        let scene = find_scene("few-large").expect("a procedural scene");
+        let (light, choice) = choose_light(&scene, None, None);
+        assert_eq!(Some(choose_camera(&scene, &light, choice)), stated_camera("few-large"));
+        let suggested = scene.suggest_camera(light.position);
+        assert_eq!(choose_camera(&scene, &light, LightChoice::Given), suggested);
+        let unknown = Scene { name: "unknown".to_owned(), ..scene };
+        assert_eq!(choose_camera(&unknown, &light, choice), suggested);
     }
 }
