@@ -105,14 +105,14 @@ impl Question {
     fn text(self) -> (String, &'static str) {
         match self {
             Self::Nothing => (Lookup::Paraboloid.text(0), "dot(position, normal)"),
-            Self::Lookup(lookup) => (lookup.text(0), lookup.expression()),
+            Self::Lookup(lookup) => (lookup.text_unturned(0), lookup.expression()),
             Self::Texels(side) => {
                 let text = TEXELS.replace("TEXELS", &side.to_string());
                 ([Lookup::Paraboloid.text(0), text].concat(), "texels_shadow(0u, position, normal)")
             }
             Self::Filter(kernel) => (Lookup::Filtered.text(0), kernel.expression()),
             Self::CubeFilter(kernel) => {
-                ([&Lookup::CubeHardware.text(0), CUBE_FILTER].concat(), kernel.cube_expression())
+                ([&Lookup::CubeHardware.text_unturned(0), CUBE_FILTER].concat(), kernel.cube_expression())
             }
         }
     }
@@ -205,7 +205,8 @@ pub struct LookupBench<'a> {
 }
 
 impl<'a> LookupBench<'a> {
-    /// Records the maps, of `pair` texels across each of the pair's, the cube with as many in all.
+    /// Records the maps, of `pair` texels across each of the pair's, the cube with as many in all. They lie along the
+    /// world's axes, as engines' cubes do, whatever the light's orientation.
     ///
     /// # Errors
     /// [`BaselineError`], for a resolution that the device doesn't allow or a scene that it can't hold.
@@ -217,6 +218,7 @@ impl<'a> LookupBench<'a> {
         pair: u32,
     ) -> Result<Self, BaselineError> {
         let mut casters = DeviceScene::new(gpu, scene, Sides::Auto)?;
+        let light = &PointLight { orientation: glam::Quat::IDENTITY, ..*light };
         let mut maps = Vec::new();
         for method in [Method::Paraboloid, Method::Cube, Method::VertexWarp] {
             let mut map = Baseline::new(&gpu.device, method, method.side(pair, Budget::EqualTexels))?;

@@ -49,7 +49,17 @@ impl Lookup {
         match self {
             Self::Paraboloid | Self::Filtered => crate::wgsl::lookup(group),
             Self::VertexWarp | Self::VertexWarpShipped => vertex_warp::lookup_text(group),
-            Self::CubeHardware | Self::CubeShipped | Self::CubePlane => cube_lookup::text(group),
+            Self::CubeHardware | Self::CubeShipped | Self::CubePlane => cube_lookup::text(group, true),
+        }
+    }
+
+    /// [`Self::text`] for lights without an orientation: cubes then turn no directions, as engines' don't, and take less
+    /// time. The others' text is the same.
+    #[must_use]
+    pub fn text_unturned(self, group: u32) -> String {
+        match self {
+            Self::CubeHardware | Self::CubeShipped | Self::CubePlane => cube_lookup::text(group, false),
+            _ => self.text(group),
         }
     }
 
