@@ -14,8 +14,8 @@ use dual_paraboloid::compare::baselines::DeviceScene;
 use dual_paraboloid::compare::cost::{Origin, Plan, Rule, SceneCosts, Subject, orientations};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::lookup_cost::Screens;
-use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene, is_made_in_code};
-use dual_paraboloid::compare::scene::Scene;
+use dual_paraboloid::compare::measure::{Judge, Truth, choose_camera, choose_light, find_scene, is_made_in_code};
+use dual_paraboloid::compare::scene::{Camera, Scene};
 use dual_paraboloid::compare::shot::Shot;
 use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::compare::timing::Timer;
@@ -101,14 +101,32 @@ struct Setting<'a> {
     scene: Scene,
     origin: Origin,
     light: PointLight,
-    screens: Screens<'a>,
+    camera: Camera,
+    /// What the camera sees, once a rule needed it.
+    screens: Option<Screens<'a>>,
+}
+
+impl<'a> Setting<'a> {
+    /// Casts the camera's rays, in the truth's triangles where all of them are there.
+    fn screens(&mut self, gpu: &'a Gpu, truth: &Truth, rule: Rule, sizes: &[(u32, u32)]) -> &mut Screens<'a> {
+        self.screens.get_or_insert_with(|| {
+            let shots = match rule {
+                Rule::DoubleSided => {
+                    let shot = |&(width, height)| Shot::of(&truth.reference, &self.camera, width, height);
+                    sizes.iter().map(shot).collect()
+                }
+                Rule::Culled => Shot::take_sizes(&self.scene, &self.camera, sizes),
+            };
+            Screens::new(gpu, &shots, &self.light)
+        })
+    }
 }
 
 impl<'a> Bench<'a> {
     /// Measures a scene under all rules. What the device can't do is left out, and `figures` says so.
     fn measure(&self, name: &str, figures: &mut Figures) -> anyhow::Result<()> {
         self.bar.set_message(format!("{name}: the scene"));
-        let mut setting = self.setting(name)?;
+        let mut setting = setting(name)?;
         for &rule in &self.arguments.rules {
             let started = Instant::now();
             let measured = self.gpu.attempt(|| self.costs(&mut setting, rule));
@@ -130,29 +148,24 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    fn setting(&self, name: &str) -> anyhow::Result<Setting<'a>> {
-        // The other methods know no holes.
-        let scene = find_scene(name)?.without_holes();
-        let (light, _) = choose_light(&scene, None, None);
-        let shots = Shot::take_sizes(&scene, &scene.suggest_camera(light.position), &self.arguments.screens);
-        let origin = if is_made_in_code(name) { Origin::Code } else { Origin::File };
-        Ok(Setting { origin, light, screens: Screens::new(self.gpu, &shots, &light), scene })
-    }
-
     fn costs(&self, setting: &mut Setting<'a>, rule: Rule) -> anyhow::Result<SceneCosts> {
-        let Setting { scene, origin, light, screens } = setting;
-        let message = |what: &str| self.bar.set_message(format!("{}, {rule}: {what}", scene.name));
+        let name = setting.scene.name.clone();
+        let message = |what: &str| self.bar.set_message(format!("{name}, {rule}: {what}"));
         message("casters");
-        let casters = DeviceScene::new(self.gpu, scene, rule.sides())?;
+        let light = setting.light;
+        let casters = DeviceScene::new(self.gpu, &setting.scene, rule.sides())?;
         message("the truth");
         let (samples, seed) = (self.arguments.samples as usize, self.arguments.seed);
-        let truth = Truth::with_sides(scene, light, rule.sides(), samples, seed);
-        ensure!(!truth.receivers.is_empty(), "its light reaches no surface");
+        let truth = Truth::with_sides(&setting.scene, &light, rule.sides(), samples, seed);
+        ensure!(truth.counted() > 0, "its light reaches no surface");
         let orientations = orientations(self.arguments.orientations as usize, seed);
-        let turned = PointLight { orientation: orientations[0], ..*light };
+        let turned = PointLight { orientation: orientations[0], ..light };
         let judge = Judge::new(self.gpu, turned, &truth);
-        let mut subject =
-            Subject { gpu: self.gpu, timer: self.timer, casters, light: *light, orientations, judge, screens };
+        let triangles = setting.scene.triangle_count();
+        let origin = setting.origin;
+        message("the camera's view");
+        let screens = setting.screens(self.gpu, &truth, rule, &self.arguments.screens);
+        let mut subject = Subject { gpu: self.gpu, timer: self.timer, casters, light, orientations, judge, screens };
         let (mut costs, mut left_out) = (Vec::new(), Vec::new());
         for &pair in &self.arguments.resolution {
             message(&format!("R = {pair}"));
@@ -161,9 +174,17 @@ impl<'a> Bench<'a> {
             left_out.extend(without);
             self.bar.inc(1);
         }
-        let (scene, triangles) = (scene.name.clone(), scene.triangle_count());
-        Ok(SceneCosts { scene, origin: *origin, triangles, rule, costs, left_out })
+        Ok(SceneCosts { scene: name.clone(), origin, triangles, rule, costs, left_out })
     }
+}
+
+fn setting<'a>(name: &str) -> anyhow::Result<Setting<'a>> {
+    // The other methods know no holes.
+    let scene = find_scene(name)?.without_holes();
+    let (light, choice) = choose_light(&scene, None, None);
+    let camera = choose_camera(&scene, &light, choice);
+    let origin = if is_made_in_code(name) { Origin::Code } else { Origin::File };
+    Ok(Setting { origin, light, camera, screens: None, scene })
 }
 
 /// A bar on stderr; indicatif shows it on a terminal only.

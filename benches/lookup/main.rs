@@ -7,7 +7,7 @@ use clap::Parser;
 use dual_paraboloid::compare::cost::geometric_mean;
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::lookup_cost::{LookupBench, LookupTime, PassStage, Question};
-use dual_paraboloid::compare::measure::{choose_light, find_scene, select_scenes};
+use dual_paraboloid::compare::measure::{choose_camera, choose_light, find_scene, select_scenes};
 use dual_paraboloid::compare::shot::Shot;
 use dual_paraboloid::compare::text::{Table, one_line, parse_size};
 use dual_paraboloid::compare::timing::{Rounds, Timer, milliseconds};
@@ -127,10 +127,10 @@ struct SceneTimes {
 fn measure(gpu: &Gpu, timer: &Timer, name: &str, arguments: &Arguments) -> anyhow::Result<Vec<SceneTimes>> {
     // The other methods know no holes.
     let scene = find_scene(name)?.without_holes();
-    let (light, _) = choose_light(&scene, None, None);
+    let (light, choice) = choose_light(&scene, None, None);
     let rounds = Rounds { warm_up: 3, measured: arguments.runs as usize };
     let mut all = Vec::new();
-    for shot in Shot::take_sizes(&scene, &scene.suggest_camera(light.position), &arguments.screens) {
+    for shot in Shot::take_sizes(&scene, &choose_camera(&scene, &light, choice), &arguments.screens) {
         let bench = LookupBench::new(gpu, &scene, &light, &shot, arguments.resolution)?;
         let times = bench.times(timer, rounds, arguments.repeat);
         all.push(SceneTimes { scene: scene.name.clone(), size: (shot.width, shot.height), times });

@@ -8,14 +8,12 @@ struct CubeLight {
     right: vec3<f32>,
     range: f32,
     up: vec3<f32>,
-    // Whether that is any rotation at all.
-    is_turned: u32,
-    forward: vec3<f32>,
     // Half a face's width at distance 1 along its axis: 1 and the guard band.
     half_width: f32,
-    position: vec3<f32>,
+    forward: vec3<f32>,
     // Width of a texel at distance 1 along the face's axis.
     texel: f32,
+    position: vec3<f32>,
     // The depth of what is at distance z along the face's axis is depth_scale / z + depth_offset.
     depth_scale: f32,
     depth_offset: f32,
@@ -27,6 +25,7 @@ struct CubeLight {
     plane_normal_bias: f32,
     padding_0: u32,
     padding_1: u32,
+    padding_2: u32,
 }
 
 @group(CUBE_GROUP) @binding(0) var cube_map: texture_depth_cube;
@@ -42,13 +41,16 @@ const CUBE_QUORUM: f32 = 0.02;
 const CUBE_SLOPE_LOW: f32 = 0.25;
 const CUBE_SLOPE_HIGH: f32 = 4.0;
 
+// Whether the light may have an orientation: engines' cubes lie along the world's axes and don't turn anything.
+const CUBE_IS_TURNED: bool = CUBE_TURNED;
+
 // What bevy 0.20 ships for point lights: 0.08 world units, and 0.6 diagonals of a texel.
 const CUBE_SHIPPED_DEPTH_BIAS: f32 = 0.08;
 const CUBE_SHIPPED_NORMAL_BIAS: f32 = 0.8485281;
 
 // A vector of world space in light space.
 fn cube_turned(v: vec3<f32>) -> vec3<f32> {
-    if cube_light.is_turned == 0u {
+    if !CUBE_IS_TURNED {
         return v;
     }
     return vec3<f32>(dot(cube_light.right, v), dot(cube_light.up, v), dot(cube_light.forward, v));

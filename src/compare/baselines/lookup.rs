@@ -2,6 +2,7 @@
 
 use super::{cube_lookup, vertex_warp};
 use serde::Serialize;
+use std::f32::consts::SQRT_2;
 use std::fmt;
 
 /// A shadow lookup in WGSL.
@@ -48,7 +49,17 @@ impl Lookup {
         match self {
             Self::Paraboloid | Self::Filtered => crate::wgsl::lookup(group),
             Self::VertexWarp | Self::VertexWarpShipped => vertex_warp::lookup_text(group),
-            Self::CubeHardware | Self::CubeShipped | Self::CubePlane => cube_lookup::text(group),
+            Self::CubeHardware | Self::CubeShipped | Self::CubePlane => cube_lookup::text(group, true),
+        }
+    }
+
+    /// [`Self::text`] for lights without an orientation: cubes then turn no directions, as engines' don't, and take less
+    /// time. The others' text is the same.
+    #[must_use]
+    pub fn text_unturned(self, group: u32) -> String {
+        match self {
+            Self::CubeHardware | Self::CubeShipped | Self::CubePlane => cube_lookup::text(group, false),
+            _ => self.text(group),
         }
     }
 
@@ -68,12 +79,13 @@ impl Lookup {
     }
 
     /// The bias that the lookup has until [`Baseline::set_bias`](super::Baseline::set_bias) gives it another; `None`
-    /// for lookups whose bias is fixed.
+    /// for lookups whose bias is fixed. That of bevy's point lights for the hardware's comparisons, `dp_shadow`'s along the
+    /// ray for planes.
     #[must_use]
     pub fn default_bias(self) -> Option<Bias> {
         match self {
             Self::VertexWarp => Some(Bias { depth: 0.08, ..Bias::default() }),
-            Self::CubeHardware => Some(Bias { depth: 0.08, normal: 0.85, ..Bias::default() }),
+            Self::CubeHardware => Some(Bias { depth: 0.08, normal: 0.6 * SQRT_2, ..Bias::default() }),
             Self::CubePlane => Some(Bias { ray: 0.05, ..Bias::default() }),
             Self::Paraboloid | Self::Filtered | Self::VertexWarpShipped | Self::CubeShipped => None,
         }

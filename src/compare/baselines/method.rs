@@ -26,6 +26,7 @@ pub enum Method {
     /// Six passes into a cube map, everything drawn in each.
     CubeUnculled,
     /// [`Self::Cube`] with texels of two bytes.
+    #[serde(rename = "cube-16")]
     Cube16,
     /// Six passes into a cube map, over triangles chosen by this library's routing.
     CubeRouted,

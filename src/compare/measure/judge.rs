@@ -18,7 +18,7 @@ use crate::{Error, Filter, PointLight};
 /// Receivers by which a bias is searched for, at most: every n-th of all.
 const SAMPLE: usize = 100_000;
 
-/// The best of the search, among which all receivers decide.
+/// The best of the search, among which and the default all receivers decide.
 const FINALISTS: usize = 8;
 
 /// What a method's errors are.
@@ -212,6 +212,7 @@ impl<'a> Judge<'a> {
         let worst = Score::WORST;
         let mut found = grid.search(|bias| self.score(baseline, lookup, bias, Asked::Sample).unwrap_or(worst));
         found.truncate(FINALISTS);
+        found.extend(lookup.default_bias());
         let scored =
             found.into_iter().map(|bias| (bias, self.score(baseline, lookup, bias, Asked::All).unwrap_or(worst)));
         scored.min_by(|a, b| a.1.compare(&b.1)).map_or_else(Bias::default, |(bias, _)| bias)
