@@ -15,6 +15,15 @@ pub enum Origin {
     Code,
 }
 
+impl Origin {
+    /// What a scene of this name counts as in means over scenes: the `dense` scenes made in code are one scene of several
+    /// sizes, and count once.
+    #[must_use]
+    pub fn family(self, scene: &str) -> &str {
+        if self == Self::Code && scene.starts_with("dense-") { "dense" } else { scene }
+    }
+}
+
 /// A method with one of its lookups.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub struct Contestant {
@@ -57,10 +66,10 @@ pub struct SceneCosts {
 }
 
 impl SceneCosts {
-    /// What the scene counts as in means over scenes: the `dense` scenes are one scene of several sizes, and count once.
+    /// What the scene counts as in means over scenes, see [`Origin::family`].
     #[must_use]
     pub fn family(&self) -> &str {
-        if self.origin == Origin::Code && self.scene.starts_with("dense-") { "dense" } else { &self.scene }
+        self.origin.family(&self.scene)
     }
 
     /// All methods with all their lookups, in the order in which they were measured.
