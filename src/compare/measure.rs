@@ -37,6 +37,8 @@ pub struct Truth {
     pub receivers: Vec<Receiver>,
     /// Whether the light reaches each receiver.
     pub lit: Vec<bool>,
+    /// Whether each receiver counts: asked for every method, orientation and bias.
+    counts: Vec<bool>,
     /// Which sides cast.
     sides: reference::Sides,
     /// What [`Self::lit_creases`] found.
@@ -67,7 +69,8 @@ impl Truth {
         let reference = Arc::new(reference(scene, view.position, sides));
         let receivers = sample_receivers(&reference, &view, samples, seed);
         let lit = truth(&receivers, &reference, &view);
-        Self { view, reference, receivers, lit, sides, creases: OnceLock::new() }
+        let counts = receivers.par_iter().map(|receiver| receiver.counts(view.position)).collect();
+        Self { view, reference, receivers, lit, counts, sides, creases: OnceLock::new() }
     }
 
     /// The same receivers and the same answers, for maps of the light turned to another orientation.
@@ -84,6 +87,7 @@ impl Truth {
             reference: Arc::clone(&self.reference),
             receivers: self.receivers.clone(),
             lit: self.lit.clone(),
+            counts: self.counts.clone(),
             sides: self.sides,
             creases: OnceLock::new(),
         }
@@ -131,10 +135,15 @@ impl Truth {
         self.count(|_| false).1
     }
 
+    /// Whether each receiver counts ([`Receiver::counts`]).
+    #[must_use]
+    pub fn counts(&self) -> &[bool] {
+        &self.counts
+    }
+
     /// How many of the receivers that count are selected, and how many count.
     fn count(&self, selected: impl Fn(usize) -> bool) -> (usize, usize) {
-        let counts = |receiver: &usize| self.receivers[*receiver].counts(self.view.position);
-        let counted = (0..self.receivers.len()).filter(counts);
+        let counted = (0..self.receivers.len()).filter(|receiver| self.counts[*receiver]);
         counted.fold((0, 0), |(some, all), receiver| (some + usize::from(selected(receiver)), all + 1))
     }
 

@@ -6,82 +6,94 @@ use dual_paraboloid::compare::baselines::{Budget, Method};
 use dual_paraboloid::compare::cost::{BreakEven, Contestant, Cost, LookupCost, SceneCosts, Timed};
 use dual_paraboloid::compare::text::{Table, grouped};
 use dual_paraboloid::compare::timing::{Summary, milliseconds};
-use std::fmt::Write;
 
 /// All tables by scene, at the main resolution.
 pub fn tables(figures: &Figures, scenes: &[&SceneCosts], title: &str) -> String {
-    let all = contestants(scenes);
-    let names: Vec<String> = all.iter().map(|of| of.name()).collect();
-    let rivals = rivals(scenes);
-    let rival_names: Vec<String> = rivals.iter().map(|of| of.name()).collect();
-    let method_names: Vec<String> = methods(scenes).iter().map(ToString::to_string).collect();
     let main = figures.main;
-    let own = |costs: &SceneCosts, rival| or_dash(costs.at_own_error(rival, Timed::HEADLINE, main).map(signed));
-    let find = |costs: &SceneCosts, method| costs.find(method, Budget::EqualTexels, main).cloned();
-    let wrong = |costs: &SceneCosts, of: Contestant| {
-        or_dash(find(costs, of.method).and_then(|cost| cost.wrong_ppm(of.lookup)).map(ppm))
-    };
-    let headline = |costs: &SceneCosts, of: Contestant| {
-        or_dash(find(costs, of.method).and_then(|cost| cost.time(of.lookup, Timed::HEADLINE)).map(time))
-    };
-    let map = |costs: &SceneCosts, method| or_dash(find(costs, method).map(|cost| time(cost.milliseconds())));
-    let mut text = String::new();
-    let mut add = |what: &str, table: Table| {
-        let _ = write!(text, "\n## {what}, {title}\n\n{table}");
-    };
-    add(&format!("Time at this library's error at R = {main}"), by_scene(scenes, &rival_names, &rivals, own));
-    add(&format!("Wrong answers (ppm), equal texels, R = {main}"), by_scene(scenes, &names, &all, wrong));
-    let what = format!("{} (ms), equal texels, R = {main}", Timed::HEADLINE.name(&figures.screens));
-    add(&what, by_scene(scenes, &names, &all, headline));
-    add(&format!("Map alone (ms), equal texels, R = {main}"), by_scene(scenes, &method_names, &methods(scenes), map));
-    let even = |costs: &SceneCosts, of| or_dash(costs.break_even_at_own_error(of, main).map(break_even));
-    let even_texels =
-        |costs: &SceneCosts, method| or_dash(costs.break_even_at_equal_texels(method, main).map(break_even));
-    add(&format!("MB: a light + the scene + workspace, R = {main}"), bytes(scenes, main));
-    add(
-        "Lights from which this library takes no more bytes, equal error",
-        by_scene(scenes, &rival_names, &rivals, even),
-    );
-    let (other_names, others) = (&method_names[1.min(method_names.len())..], &methods(scenes)[..]);
-    let others = &others[1.min(others.len())..];
-    add(
-        "Lights from which this library takes no more bytes, equal texels",
-        by_scene(scenes, other_names, others, even_texels),
-    );
-    add(&format!("Stages (ms), R = {main}"), stages(scenes, main));
-    text
+    let headline = Timed::HEADLINE.name(&figures.screens);
+    let tables = [
+        (format!("Time at this library's error at R = {main}"), times_at_own_error(scenes, main)),
+        (format!("Wrong answers (ppm), equal texels, R = {main}"), wrong_answers(scenes, main)),
+        (format!("{headline} (ms), equal texels, R = {main}"), headline_times(scenes, main)),
+        (format!("Map alone (ms), equal texels, R = {main}"), map_times(scenes, main)),
+        (format!("MB: a light + the scene + workspace, equal texels, R = {main}"), bytes(scenes, main)),
+        ("Lights with which this library takes no more bytes, equal texels".to_owned(), even_at_texels(scenes, main)),
+        ("Lights with which this library takes no more bytes, equal error".to_owned(), even_at_error(scenes, main)),
+        (format!("Stages (ms), R = {main}"), stages(scenes, main)),
+    ];
+    tables.iter().fold(String::new(), |text, (what, table)| text + &format!("\n## {what}, {title}\n\n{table}"))
+}
+
+fn times_at_own_error(scenes: &[&SceneCosts], main: u32) -> Table {
+    by_scene(scenes, &rivals(scenes), Contestant::name, |costs, rival| {
+        costs.at_own_error(rival, Timed::HEADLINE, main).map(signed)
+    })
+}
+
+fn wrong_answers(scenes: &[&SceneCosts], main: u32) -> Table {
+    by_scene(scenes, &contestants(scenes), Contestant::name, |costs, of| {
+        costs.find(of.method, Budget::EqualTexels, main)?.wrong_ppm(of.lookup).map(ppm)
+    })
+}
+
+fn headline_times(scenes: &[&SceneCosts], main: u32) -> Table {
+    by_scene(scenes, &contestants(scenes), Contestant::name, |costs, of| {
+        costs.find(of.method, Budget::EqualTexels, main)?.time(of.lookup, Timed::HEADLINE).map(time)
+    })
+}
+
+fn map_times(scenes: &[&SceneCosts], main: u32) -> Table {
+    by_scene(scenes, &methods(scenes), method_name, |costs, method| {
+        costs.find(method, Budget::EqualTexels, main).map(|cost| time(cost.milliseconds()))
+    })
+}
+
+fn bytes(scenes: &[&SceneCosts], main: u32) -> Table {
+    let megabytes = |bytes: u64| format!("{:.1}", bytes as f64 / 1e6);
+    by_scene(scenes, &methods(scenes), method_name, |costs, method| {
+        let bytes = costs.find(method, Budget::EqualTexels, main)?.bytes;
+        Some([bytes.per_light, bytes.scene, bytes.workspace].map(megabytes).join(" + "))
+    })
+}
+
+fn even_at_texels(scenes: &[&SceneCosts], main: u32) -> Table {
+    let others: Vec<Method> = methods(scenes).into_iter().filter(|method| *method != Method::Paraboloid).collect();
+    by_scene(scenes, &others, method_name, |costs, method| {
+        costs.break_even_at_equal_texels(method, main).map(break_even)
+    })
+}
+
+fn even_at_error(scenes: &[&SceneCosts], main: u32) -> Table {
+    by_scene(scenes, &rivals(scenes), Contestant::name, |costs, rival| {
+        costs.break_even_at_own_error(rival, main).map(break_even)
+    })
+}
+
+fn method_name(method: Method) -> String {
+    method.to_string()
 }
 
 /// A line for each scene, a column for each of `columns`.
 fn by_scene<T: Copy>(
     scenes: &[&SceneCosts],
-    names: &[String],
     columns: &[T],
-    cell: impl Fn(&SceneCosts, T) -> String,
+    name: impl Fn(T) -> String,
+    cell: impl Fn(&SceneCosts, T) -> Option<String>,
 ) -> Table {
+    let names: Vec<String> = columns.iter().map(|&column| name(column)).collect();
     let head = ["scene", "triangles"].into_iter().chain(names.iter().map(String::as_str));
     let mut table = Table::new(&head.collect::<Vec<_>>());
     for costs in scenes {
         let own = [costs.scene.clone(), grouped(costs.triangles)];
-        table.row(own.into_iter().chain(columns.iter().map(|&column| cell(costs, column))));
+        table.row(own.into_iter().chain(columns.iter().map(|&column| or_dash(cell(costs, column)))));
     }
     table
 }
 
-fn bytes(scenes: &[&SceneCosts], main: u32) -> Table {
-    let all = methods(scenes);
-    let names: Vec<String> = all.iter().map(ToString::to_string).collect();
-    let megabytes = |bytes: u64| format!("{:.1}", bytes as f64 / 1e6);
-    by_scene(scenes, &names, &all, |costs, method| {
-        let bytes = costs.find(method, Budget::EqualTexels, main).map(|cost| cost.bytes);
-        or_dash(bytes.map(|of| [of.per_light, of.scene, of.workspace].map(megabytes).join(" + ")))
-    })
-}
-
 fn break_even(lights: BreakEven) -> String {
     match lights {
-        BreakEven::Always => "1".to_owned(),
-        BreakEven::From(lights) => grouped(lights as usize),
+        BreakEven::Always => "any".to_owned(),
+        BreakEven::From(lights) => format!("from {}", grouped(lights as usize)),
         BreakEven::UpTo(lights) => format!("up to {}", grouped(lights as usize)),
         BreakEven::Never => "never".to_owned(),
     }

@@ -188,8 +188,8 @@ impl<'a> Judge<'a> {
         baseline.set_bias(&self.gpu.queue, lookup, bias);
         let values = self.ask(baseline, lookup, asked)?;
         let truth = self.truth;
-        let asked = truth.receivers.iter().zip(&truth.lit).step_by(asked.step(self.inputs.len()));
-        let counted = asked.zip(values).filter(|((receiver, _), _)| receiver.counts(truth.view.position));
+        let asked = truth.counts().iter().zip(&truth.lit).step_by(asked.step(self.inputs.len()));
+        let counted = asked.zip(values).filter(|((counts, _), _)| **counts);
         let (values, lit): (Vec<f32>, Vec<bool>) = counted.map(|((_, lit), value)| (value, *lit)).unzip();
         Some(Score::new(&values, lit.into_iter()))
     }
