@@ -72,14 +72,15 @@ mod tests {
         assert_eq!(orientations(8, 7), many[..8]);
         assert_ne!(orientations(8, 8), many[..8]);
         assert!(many.iter().all(|turn| turn.is_normalized()));
-        // Each axis goes to each octant as often as to the others.
+        // Where an axis goes is uniform over the sphere, so that each coordinate is uniform over -1..1.
         for axis in Vec3::AXES {
-            let mut octants = [0; 8];
-            for turn in &many {
-                let to = *turn * axis;
-                octants[usize::from(to.x > 0.0) + 2 * usize::from(to.y > 0.0) + 4 * usize::from(to.z > 0.0)] += 1;
+            for coordinate in Vec3::AXES {
+                let mut eighths = [0; 8];
+                for turn in &many {
+                    eighths[(4.0 * ((*turn * axis).dot(coordinate) + 1.0)).clamp(0.0, 7.0) as usize] += 1;
+                }
+                assert!(eighths.iter().all(|count| (420..580).contains(count)), "{axis} {coordinate}: {eighths:?}");
             }
-            assert!(octants.iter().all(|count| (400..600).contains(count)), "{octants:?}");
         }
     }
 }
