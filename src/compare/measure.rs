@@ -13,7 +13,7 @@ pub use subject::{choose_camera, choose_light, find_scene, is_made_in_code, sele
 use super::error_figures::truth;
 use super::error_figures::{CreaseError, MapError, Receiver, ShadowError, ShadowReport};
 use super::error_figures::{
-    crease_error, energy_ppm, lit_creases, map_error, per_million, sample_receivers, shadow_error,
+    crease_error, energy_ppm, lit_creases, map_error, near_boundary, per_million, sample_receivers, shadow_error,
 };
 use super::fill;
 use super::gpu::Gpu;
@@ -141,6 +141,19 @@ impl Truth {
         &self.counts
     }
 
+    /// Wrong answers at receivers that count, farther from every true shadow boundary than
+    /// [`FAR_TEXELS`](super::error_figures::FAR_TEXELS) of a map of this geometry, in parts per million. For a map's own
+    /// tests: published figures are in the same texels for all ([`ShadowError::far_wrong_ppm`]).
+    #[must_use]
+    pub fn far_ppm(&self, values: &[f32], geometry: &MapGeometry) -> f64 {
+        let is_far = |receiver: usize| {
+            let (place, lit) = (&self.receivers[receiver], self.lit[receiver]);
+            (values[receiver] >= 0.5) != lit && !near_boundary(place, lit, &self.reference, &self.view, geometry)
+        };
+        let (far, counted) = self.count(is_far);
+        per_million(far, counted)
+    }
+
     /// How many of the receivers that count are selected, and how many count.
     fn count(&self, selected: impl Fn(usize) -> bool) -> (usize, usize) {
         let counted = (0..self.receivers.len()).filter(|receiver| self.counts[*receiver]);
@@ -165,10 +178,14 @@ impl Truth {
     #[must_use]
     pub fn ideal(&self, geometry: MapGeometry, tolerance: f64) -> (IdealMap, ShadowError) {
         let map = ideal_map(&self.reference, &self.view, geometry);
-        let lookup = Lookup { view: self.view, geometry, bias: BIAS, tolerance };
-        let values = self.answers(|position, normal| lookup.shadow(|texel| map.depths[texel], position, normal));
-        let error = self.judge(&values);
+        let error = self.judge(&self.ideal_values(&map, tolerance));
         (map, error)
+    }
+
+    /// What the double precision lookup answers on a ray-cast map, with the bias of a pair of this tolerance.
+    fn ideal_values(&self, map: &IdealMap, tolerance: f64) -> Vec<f32> {
+        let lookup = Lookup { view: self.view, geometry: map.geometry, bias: BIAS, tolerance };
+        self.answers(|position, normal| lookup.shadow(|texel| map.depths[texel], position, normal))
     }
 
     /// What [`VotesV1`] answers at the receivers on a ray-cast map.
@@ -233,13 +250,16 @@ impl Made {
     #[must_use]
     pub fn figures(&self, gpu: &Gpu, truth: &Truth) -> Figures {
         let geometry = self.geometry();
-        let (ideal, ideal_error) = truth.ideal(geometry, f64::from(self.shadows.depth_tolerance()));
+        let ideal = ideal_map(&truth.reference, &truth.view, geometry);
+        let ideal_values = truth.ideal_values(&ideal, f64::from(self.shadows.depth_tolerance()));
+        let ideal_error = truth.judge(&ideal_values);
         let stored = gpu.read_map(&self.shadows, self.light);
         let values = gpu.shadow_values(&self.shadows, self.light, &truth.inputs());
         Figures {
             map: map_error(&stored, &ideal, &truth.reference, &truth.view),
             shadow: ShadowReport { error: truth.judge(&values), ideal_wrong_ppm: ideal_error.wrong_ppm },
             ideal: ideal_error,
+            far_wrong_ppm: [&values, &ideal_values].map(|values| truth.far_ppm(values, &geometry)),
         }
     }
 }
@@ -253,6 +273,8 @@ pub struct Figures {
     pub shadow: ShadowReport,
     /// Of the ray-cast map's answers: all its figures.
     pub ideal: ShadowError,
+    /// Far answers of the lookup, and of the ray-cast map, in texels of the map itself ([`Truth::far_ppm`]).
+    pub far_wrong_ppm: [f64; 2],
 }
 
 /// A light that suits a scene: its range reaches everything, and near is 1e-5 of that.

@@ -74,7 +74,7 @@ pub fn lit_creases(receivers: &[Receiver], lit: &[bool], reference: &Reference, 
             lit[number]
                 && receiver.counts(view.position)
                 && is_in_crease(receiver, reference, view)
-                && !near_boundary(receiver, true, reference, view)
+                && !near_boundary(receiver, true, reference, view, &PUBLISHED_PAIR)
         })
         .collect()
 }

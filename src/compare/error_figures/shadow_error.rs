@@ -77,7 +77,8 @@ pub fn shadow_error(
     let counted: Vec<usize> = (0..receivers.len()).filter(|&i| receivers[i].counts(view.position)).collect();
     let wrong: Vec<usize> = counted.iter().copied().filter(|&i| (values[i] >= 0.5) != truth[i]).collect();
     let leaks = wrong.iter().filter(|&&i| !truth[i]).count();
-    let far = wrong.par_iter().filter(|&&i| !near_boundary(&receivers[i], truth[i], reference, view)).count();
+    let is_far = |&&i: &&usize| !near_boundary(&receivers[i], truth[i], reference, view, &PUBLISHED_PAIR);
+    let far = wrong.par_iter().filter(is_far).count();
     let samples = counted.len();
     let lit = counted.iter().filter(|&&i| truth[i]).count();
     ShadowError {
@@ -105,7 +106,8 @@ pub fn energy_ppm(receivers: &[Receiver], truth: &[bool], values: &[f32], light_
     if all > 0.0 { 1e6 * wrong / all } else { 0.0 }
 }
 
-/// Whether a true shadow boundary lies within [`FAR_TEXELS`] of a receiver, seen from the light.
+/// Whether a true shadow boundary lies within [`FAR_TEXELS`] of a receiver, seen from the light, in texels of a map of this
+/// geometry; published figures are in those of [`PUBLISHED_PAIR`].
 ///
 /// The receiver's plane is what counts, continued beyond its triangle: the lookup compares with that plane. Rays of
 /// the light, in a disc of directions around the receiver, meet the plane at points of their own; the *gap* there is how
@@ -122,8 +124,14 @@ pub fn energy_ppm(receivers: &[Receiver], truth: &[bool], values: &[f32], light_
 /// The rays are a sample of the disc: they may miss a boundary, which makes a figure of far errors too high, and never
 /// find one that isn't there.
 #[must_use]
-pub fn near_boundary(receiver: &Receiver, lit: bool, reference: &Reference, view: &View) -> bool {
-    let search = BoundarySearch::new(receiver, lit, reference, view, &PUBLISHED_PAIR);
+pub fn near_boundary(
+    receiver: &Receiver,
+    lit: bool,
+    reference: &Reference,
+    view: &View,
+    geometry: &MapGeometry,
+) -> bool {
+    let search = BoundarySearch::new(receiver, lit, reference, view, geometry);
     if lit { search.steps_within(FAR_TEXELS) } else { search.any_within(FAR_TEXELS, |q| search.is_reached(q)) }
 }
 
@@ -392,7 +400,7 @@ mod tests {
                 .fold(f64::INFINITY, f64::min);
             let lit = truth(&[*receiver], &reference, &view)[0];
             if (distance - FAR_TEXELS).abs() > 0.06 {
-                let near = near_boundary(receiver, lit, &reference, &view);
+                let near = near_boundary(receiver, lit, &reference, &view, &PUBLISHED_PAIR);
                 assert_eq!(near, distance < FAR_TEXELS, "{lit} {distance} {p}");
                 near_ones[usize::from(lit)] += usize::from(near);
             }
@@ -412,7 +420,7 @@ mod tests {
             let receiver = receiver(reference, triangle, position);
             assert_eq!(truth(&[receiver], reference, &view), [true]);
             let even = is_even_within(FAR_TEXELS, &receiver, true, reference, &view, &PUBLISHED_PAIR);
-            (near_boundary(&receiver, true, reference, &view), even)
+            (near_boundary(&receiver, true, reference, &view, &PUBLISHED_PAIR), even)
         };
         let side = |axis: usize, at: f64| {
             (0..12).find(|&t| room.triangles()[t as usize].iter().all(|c| c[axis] == at)).expect("a side")
@@ -440,7 +448,7 @@ mod tests {
             let before = (0..2).map(|t| receiver(&reference, t, DVec3::new(1.0 - 0.2 * texel, -2.0, 0.1)));
             for receiver in before {
                 assert_eq!(truth(&[receiver], &reference, &view), [true]);
-                assert_eq!(near_boundary(&receiver, true, &reference, &view), near, "{width}");
+                assert_eq!(near_boundary(&receiver, true, &reference, &view, &PUBLISHED_PAIR), near, "{width}");
             }
         }
     }
@@ -471,7 +479,7 @@ mod tests {
         for (texels, near) in [(1.0, true), (2.0, false)] {
             let receiver = receiver(&reference, 0, DVec3::new(texels * texel, -2.0, 0.1));
             assert_eq!(truth(&[receiver], &reference, &view), [false]);
-            assert_eq!(near_boundary(&receiver, false, &reference, &view), near, "{texels}");
+            assert_eq!(near_boundary(&receiver, false, &reference, &view, &PUBLISHED_PAIR), near, "{texels}");
         }
     }
 
@@ -525,7 +533,7 @@ mod tests {
         let receivers = sample_receivers(&reference, &view, 5000, 4);
         assert!(receivers.iter().any(|receiver| receiver.rounding > 0.003));
         for (receiver, lit) in receivers.iter().zip(truth(&receivers, &reference, &view)) {
-            assert!(lit && !near_boundary(receiver, true, &reference, &view), "{receiver:?}");
+            assert!(lit && !near_boundary(receiver, true, &reference, &view, &PUBLISHED_PAIR), "{receiver:?}");
         }
     }
 
