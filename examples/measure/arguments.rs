@@ -29,8 +29,8 @@ pub struct Arguments {
     /// Texels of a map in all, the same for every method, in place of --resolution
     #[arg(long, value_name = "N", conflicts_with = "resolution", value_parser = clap::value_parser!(u64).range(1..))]
     pub texels: Option<u64>,
-    /// Methods, separated by commas: paraboloid, vertex-warp, cube, cube-plane, cube-unculled, cube-routed,
-    /// cube-multiview, depth-view
+    /// Methods, separated by commas: paraboloid, vertex-warp, cube, cube-plane, cube-unculled, cube-16,
+    /// cube-routed, cube-multiview, depth-view
     #[arg(long = "method", value_name = "METHOD", value_delimiter = ',', default_value = "paraboloid")]
     pub methods: Vec<Entry>,
     /// How far depth may be off for `paraboloid`, in texel footprints along the normal, 0.01 to 1. Without it, the
