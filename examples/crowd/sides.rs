@@ -3,7 +3,7 @@
 use crate::cloth::Cloth;
 use crate::plaza::Plaza;
 use anyhow::Context;
-use dual_paraboloid::compare::baselines::{Budget, ConstantBias, Cube, Culling, Method, SceneBuffers};
+use dual_paraboloid::compare::baselines::{Budget, Cube, CubeDepth, Culling, Method, SceneBuffers};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::{
     Casters, InstanceId, LightId, PointShadows, PointShadowsDescriptor, RecordOptions, Sides, Stage,
@@ -80,7 +80,8 @@ impl BothSides {
         ];
         let buffers = SceneBuffers::new(&gpu.device, &plaza.scene, false)?;
         let side = Method::Cube.side(resolution, Budget::EqualTexels);
-        let cubes = plaza.lights.iter().map(|_| Cube::new(&gpu.device, side, Culling::Frustum)).collect();
+        let cubes =
+            plaza.lights.iter().map(|_| Cube::new(&gpu.device, side, Culling::Frustum, CubeDepth::Float32)).collect();
         Ok(Self { casters, instances, cloth, shadows, buffers, cubes })
     }
 
@@ -123,7 +124,7 @@ impl BothSides {
         let Gpu { device, queue, .. } = gpu;
         if way == Way::Cube {
             for (cube, light) in self.cubes.iter_mut().zip(&plaza.lights) {
-                cube.record(device, queue, encoder, &self.buffers, light, ConstantBias::default());
+                cube.record(device, queue, encoder, &self.buffers, light);
             }
             return Ok(());
         }

@@ -6,6 +6,7 @@ mod axis;
 mod caching;
 mod claims;
 mod common;
+mod creases;
 mod custom;
 mod deforming;
 mod degenerate;

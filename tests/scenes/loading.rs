@@ -72,6 +72,8 @@ fn world_triangles_run_in_parallel_and_within_bounds(_: &Stated, scene: &Scene) 
         let mesh = &scene.meshes[instance.mesh];
         for (k, corner) in corners.iter().enumerate() {
             assert_eq!(corner.as_vec3().as_dvec3(), *corner, "a corner is not a value of f32");
+            // Front faces are anticlockwise, mirrored or not.
+            let k = if instance.transform.matrix3.determinant() < 0.0 { [0, 2, 1][k] } else { k };
             let position = Vec3::from(mesh.positions[mesh.indices[triangle as usize * 3 + k] as usize]);
             let expected = instance.transform.transform_point3(position);
             assert!(corner.as_vec3().abs_diff_eq(expected, slack), "{corner} is not {expected}");
