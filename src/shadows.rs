@@ -56,7 +56,7 @@ impl LightId {
 }
 
 /// Bias of the lookup along a surface's normal, in texel footprints: for curvature finer than a texel.
-const NORMAL_BIAS: f32 = 0.025;
+pub(crate) const NORMAL_BIAS: f32 = 0.025;
 
 /// Widest map: its tiles are numbered by bytes, and its texels' buffer has 128 MiB.
 const MOST_RESOLUTION: u32 = 4096;
@@ -213,10 +213,16 @@ impl PointShadows {
         })
     }
 
-    /// Records the stages up to this one only, to see what each takes. The maps are right with [`Stage::Rasterise`] alone.
+    /// Records the stages up to this one only from now on, to see what each takes. The maps are right with
+    /// [`Stage::Rasterise`] alone. What a recording that stopped early has left behind is cleared at once, by a submission
+    /// of its own.
     #[cfg(feature = "compare")]
-    pub fn stop_after(&mut self, stage: Stage) {
-        self.until = stage;
+    pub fn stop_after(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, stage: Stage) {
+        if std::mem::replace(&mut self.until, stage) < Stage::Rasterise {
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            self.workspace.clear(&mut encoder);
+            queue.submit([encoder.finish()]);
+        }
     }
 
     /// Adds a light; its map is made at the next [`Self::record`], and until then it has what its place last had. Where a
@@ -374,9 +380,6 @@ impl PointShadows {
             let target = if batch.start < first_live { Target::Static } else { Target::Live };
             self.record_batch(encoder, casters, batch, target);
         }
-        if self.until < Stage::Rasterise && std::env::var("DP_KEEP").is_err() {
-            self.workspace.clear(encoder);
-        }
     }
 
     /// What is made: first the maps of static casters, then, from the number that is returned, those that are looked up.
@@ -500,23 +503,12 @@ impl PointShadows {
         (&self.workspace.state, self.recorded)
     }
 
-    /// debug
-    #[cfg(feature = "compare")]
-    #[must_use]
-    pub fn tile_counters(&self) -> &wgpu::Buffer { &self.workspace.tiles }
-
     /// The maps' triangles, `R32Uint`, laid out as [`Self::maps`]: the chunk in bits 8-31 and the place in it in bits 0-7;
     /// all bits set where there is none.
     #[cfg(feature = "compare")]
     #[must_use]
     pub fn numbers(&self) -> &wgpu::Texture {
         self.maps.numbers()
-    }
-
-    /// The lookup's bias along a surface's normal, in texel footprints.
-    #[must_use]
-    pub fn depth_tolerance(&self) -> f32 {
-        NORMAL_BIAS
     }
 
     /// Bytes on the GPU: the maps, twice with [`keep_static`](PointShadowsDescriptor::keep_static), and what the lights

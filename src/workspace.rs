@@ -89,11 +89,6 @@ impl Workspace {
         &self.share
     }
 
-    /// Entries of a tile's list.
-    pub(crate) fn room(&self) -> u32 {
-        self.room
-    }
-
     /// Items of a batch.
     pub(crate) fn items(&self) -> u32 {
         self.items
@@ -115,6 +110,7 @@ impl Workspace {
     }
 
     /// Makes everything zero where the last stage isn't recorded.
+    #[cfg(feature = "compare")]
     pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
         for buffer in [&self.depths, &self.numbers, &self.tiles] {
             encoder.clear_buffer(buffer, 0, None);
