@@ -22,7 +22,10 @@ var<workgroup> large_count: atomic<u32>;
 var<workgroup> job_count: atomic<u32>;
 var<workgroup> record_base: u32;
 var<workgroup> job_base: u32;
+var<workgroup> large_tiles: array<u32, 256>;
 var<workgroup> bits: array<atomic<u32>, 16>;
+// Whether there are bits in either list.
+var<workgroup> has_bits: array<atomic<u32>, 2>;
 
 @compute @workgroup_size(THREADS)
 fn cull(
@@ -91,6 +94,10 @@ fn cull_chunk(
     for (var word = thread; word < LISTS * CHUNK_BITS; word += THREADS) {
         atomicStore(&bits[word], 0u);
     }
+    for (var list = thread; list < LISTS; list += THREADS) {
+        // Masked chunks are drawn later, and get the bits of those that win then.
+        atomicStore(&has_bits[list], u32((kind(source) & KIND_MASKED) != 0u));
+    }
     place_corners(view, source, vertex, square, thread);
     workgroupBarrier();
 
@@ -111,28 +118,26 @@ fn cull_chunk(
     }
     record_large(view, chunk, source, square, thread, atomicLoad(&large_count));
     workgroupBarrier();
-    for (var list = thread; list < LISTS; list += THREADS) {
-        note_bits(view, SQUARES * chunk + square, list, is_masked);
-    }
+    note_bits(view, SQUARES * chunk + square, thread);
 }
 
-// Hands a chunk's bits on, if there are any. Masked chunks are drawn later, and get theirs then.
-fn note_bits(view: View, part: u32, list: u32, is_masked: bool) {
-    let at = bits_of(view, part, list);
-    var all = 0u;
-    for (var word = 0u; word < CHUNK_BITS; word += 1u) {
-        let own = atomicLoad(&bits[list * CHUNK_BITS + word]);
-        atomicStore(&state[at + word], own);
-        all |= own;
-    }
-    if all != 0u || is_masked {
-        let place = atomicAdd(&state[view.counters + COUNTER_LISTS + list], 1u);
-        atomicStore(&state[list_of(view, list) + place], part);
+// Hands a chunk's bits on, if there are any.
+fn note_bits(view: View, part: u32, thread: u32) {
+    for (var word = thread; word < LISTS * CHUNK_BITS; word += THREADS) {
+        let list = word / CHUNK_BITS;
+        if atomicLoad(&has_bits[list]) != 0u {
+            atomicStore(&state[bits_of(view, part, list) + word % CHUNK_BITS], atomicLoad(&bits[word]));
+            if word % CHUNK_BITS == 0u {
+                let place = atomicAdd(&state[view.counters + COUNTER_LISTS + list], 1u);
+                atomicStore(&state[list_of(view, list) + place], part);
+            }
+        }
     }
 }
 
 fn set_bit(list: u32, t: u32) {
     atomicOr(&bits[list * CHUNK_BITS + t / 32u], 1u << (t % 32u));
+    atomicStore(&has_bits[list], 1u);
 }
 
 // Whether a triangle is left out, drawn at once, or recorded. Where `cull` isn't 0, those that face away don't cast; it is
@@ -185,28 +190,47 @@ fn draw_row(view: View, source: ChunkSource, square: u32, row: u32, count: u32) 
     let v = texel_v(view, f32(y));
     let limits = depth_limits(view.near, corners[local.x], corners[local.y], corners[local.z]);
     let span = row_span(view, triangle, box, y);
-    var wins = false;
-    for (var x = span.x; x <= span.y; x += 1) {
-        let q = scaled_direction(vec2<f32>(texel_u(view, f32(x)), v));
-        let z = clamp(dot(triangle.plane, q), limits.x, limits.y);
-        if covers(triangle, q) && is_looked_up(view, q.xy) && z > 0.0 && z <= 1.0 {
-            let bits = bitcast<u32>(z);
-            let at = place_of_texel(view, square, x, y);
-            if atomicLoad(&depths[at]) <= bits {
-                wins = atomicMax(&depths[at], bits) <= bits || wins;
+    var may_win = false;
+    for (var x = span.x; x <= span.y; x += 4) {
+        // Four at a time, since what takes time is to wait for what they hold.
+        let quad = row_texels(view, triangle, limits, x, span.y, v);
+        let at = row_places(view, square, x, y, span.y);
+        let stored = vec4<u32>(
+            atomicLoad(&depths[at.x]),
+            atomicLoad(&depths[at.y]),
+            atomicLoad(&depths[at.z]),
+            atomicLoad(&depths[at.w]),
+        );
+        for (var i = 0; i < 4; i += 1) {
+            if quad[i] > 0u && stored[i] <= quad[i] {
+                atomicMax(&depths[at[i]], quad[i]);
+                may_win = true;
             }
         }
     }
-    if wins {
+    if may_win {
         set_bit(LIST_DRAWN, t);
     }
+}
+
+// Bits of the depths of four texels of a row, 0 where the triangle doesn't cover them or the row has ended.
+fn row_texels(view: View, triangle: Triangle, limits: vec2<f32>, x: i32, last: i32, v: f32) -> vec4<u32> {
+    var result: vec4<u32>;
+    for (var i = 0; i < 4; i += 1) {
+        let q = scaled_direction(vec2<f32>(texel_u(view, f32(x + i)), v));
+        let z = clamp(dot(triangle.plane, q), limits.x, limits.y);
+        let is_drawn = covers(triangle, q) && is_looked_up(view, q.xy) && z > 0.0 && z <= 1.0 && x + i <= last;
+        result[i] = select(0u, bitcast<u32>(z), is_drawn);
+    }
+    return result;
 }
 
 fn record_large(view: View, chunk: u32, source: ChunkSource, square: u32, thread: u32, count: u32) {
     for (var i = thread; i < count; i += THREADS) {
         let tiles = tiles_of(view, source, large[i], square);
-        let blocks = u32(tiles.high.y) / BLOCK - u32(tiles.low.y) / BLOCK + 1u;
-        large[i] |= atomicAdd(&job_count, blocks) << 8u;
+        let rows = block_rows(tiles);
+        large_tiles[i] = tiles;
+        large[i] |= atomicAdd(&job_count, rows.y - rows.x + 1u) << 8u;
     }
     workgroupBarrier();
     if thread == 0u && count > 0u {
@@ -217,32 +241,30 @@ fn record_large(view: View, chunk: u32, source: ChunkSource, square: u32, thread
     for (var i = thread; i < count; i += THREADS) {
         let record = record_base + i;
         let t = large[i] & 0xffu;
-        let tiles = tiles_of(view, source, t, square);
-        let low = u32(tiles.low.y) / BLOCK;
-        let high = u32(tiles.high.y) / BLOCK;
+        let rows = block_rows(large_tiles[i]);
         let job = job_base + (large[i] >> 8u);
         // Without room for all, the item's large triangles are drawn another way (resolve.wgsl).
-        if record < view.record_capacity && job + high - low < view.job_capacity {
-            write_record(view, source, square, record, ((chunk << 8u) | t) + 1u, tiles, t);
-            for (var row = low; row <= high; row += 1u) {
-                jobs[view.first_job + job + row - low] = (record << 5u) | row;
+        if record < view.record_capacity && job + rows.y - rows.x < view.job_capacity {
+            write_record(view, source, square, record, ((chunk << 8u) | t) + 1u, large_tiles[i], t);
+            for (var row = rows.x; row <= rows.y; row += 1u) {
+                jobs[view.first_job + job + row - rows.x] = (record << 5u) | row;
             }
         }
     }
 }
 
-fn write_record(view: View, source: ChunkSource, square: u32, record: u32, number: u32, tiles: Box, t: u32) {
+// First and last row of blocks of a record's tiles.
+fn block_rows(tiles: u32) -> vec2<u32> {
+    return ((vec2<u32>(tiles) >> vec2<u32>(8u, 24u)) & vec2<u32>(0xffu)) / BLOCK;
+}
+
+fn write_record(view: View, source: ChunkSource, square: u32, record: u32, number: u32, tiles: u32, t: u32) {
     let local = corners_of(triangles[source.triangle + t]);
     let triangle = triangle_of(view, local, square);
     let limits = depth_limits(view.near, corners[local.x], corners[local.y], corners[local.z]);
-    let low = vec2<u32>(tiles.low);
-    let high = vec2<u32>(tiles.high);
     let at = (view.first_record + record) * RECORD;
     records[at] = vec4<u32>(bitcast<vec3<u32>>(unit(triangle.e0)), number | (square << SQUARE_SHIFT));
-    records[at + 1u] = vec4<u32>(
-        bitcast<vec3<u32>>(unit(triangle.e1)),
-        low.x | (low.y << 8u) | (high.x << 16u) | (high.y << 24u),
-    );
+    records[at + 1u] = vec4<u32>(bitcast<vec3<u32>>(unit(triangle.e1)), tiles);
     records[at + 2u] = vec4<u32>(bitcast<vec3<u32>>(unit(triangle.e2)), bitcast<u32>(limits.x));
     records[at + 3u] = vec4<u32>(bitcast<vec3<u32>>(triangle.plane), bitcast<u32>(limits.y));
 }
@@ -252,11 +274,12 @@ fn unit(e: vec3<f32>) -> vec3<f32> {
     return select(vec3<f32>(0.0), e * inverseSqrt(square), square > 0.0);
 }
 
-// The tiles that a large triangle may touch.
-fn tiles_of(view: View, source: ChunkSource, t: u32, square: u32) -> Box {
+// The tiles that a large triangle may touch: first x, first y, last x, last y, a byte each.
+fn tiles_of(view: View, source: ChunkSource, t: u32, square: u32) -> u32 {
     let local = corners_of(triangles[source.triangle + t]);
     let triangle = triangle_of(view, local, square);
     let box = whole_box_of(view, local, triangle);
-    let last = vec2<i32>(i32(view.across) - 1);
-    return Box(min(box.low / TILE, last), max(box.high, vec2<i32>(0)) / TILE);
+    let low = vec2<u32>(min(box.low / TILE, vec2<i32>(i32(view.across) - 1)));
+    let high = vec2<u32>(max(box.high, vec2<i32>(0)) / TILE);
+    return low.x | (low.y << 8u) | (high.x << 16u) | (high.y << 24u);
 }

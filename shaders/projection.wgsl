@@ -21,8 +21,8 @@ fn scaled_direction(p: vec2<f32>) -> vec3<f32> {
     return dp_unproject_scaled(p);
 }
 
-// The third component of the directions of four texels of a row.
-fn scaled_directions_z(u: vec4<f32>, v: f32) -> vec4<f32> {
+// The third component of the directions of four texels of a column.
+fn scaled_directions_z(u: f32, v: vec4<f32>) -> vec4<f32> {
     return 0.5 - 0.5 * (u * u + v * v);
 }
 

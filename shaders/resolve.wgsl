@@ -132,39 +132,56 @@ fn resolve_row(view: View, source: ChunkSource, chunk: u32, square: u32, rows: v
     let v = texel_v(view, f32(y));
     let limits = depth_limits(view.near, corners[local.x], corners[local.y], corners[local.z]);
     let span = row_span(view, triangle, box, y);
-    var has_won = false;
-    for (var x = span.x; x <= span.y; x += 1) {
-        let q = scaled_direction(vec2<f32>(texel_u(view, f32(x)), v));
-        let z = clamp(dot(triangle.plane, q), limits.x, limits.y);
-        if z > 0.0 && z <= 1.0 && is_looked_up(view, q.xy) {
-            let at = place_of_texel(view, square, x, y);
+    let number = ((chunk << 8u) | t) + 1u;
+    var may_win = false;
+    for (var x = span.x; x <= span.y; x += 4) {
+        // Four at a time, as the culling does.
+        let quad = row_texels(view, source, local, triangle, limits, x, span.y, v);
+        let at = row_places(view, square, x, y, span.y);
+        let stored = vec4<u32>(
+            atomicLoad(&depths[at.x]),
+            atomicLoad(&depths[at.y]),
+            atomicLoad(&depths[at.z]),
+            atomicLoad(&depths[at.w]),
+        );
+        for (var i = 0; i < 4; i += 1) {
             if NUMBERS {
-                number_texel(at, z, covers_nearly(triangle, q), source, local, triangle, q, ((chunk << 8u) | t) + 1u);
-            } else if covers(triangle, q) && !is_in_hole(source, local, triangle, q) {
-                let bits = bitcast<u32>(z);
-                has_won = atomicMax(&depths[at], bits) <= bits || has_won;
+                let depth = bitcast<f32>(stored[i]);
+                if quad[i] > 0u && abs(bitcast<f32>(quad[i]) - depth) <= SAME_DEPTH * depth {
+                    atomicMax(&numbers[at[i]], number);
+                }
+            } else if quad[i] > 0u && stored[i] <= quad[i] {
+                atomicMax(&depths[at[i]], quad[i]);
+                may_win = true;
             }
         }
     }
-    if has_won {
+    if may_win {
         atomicOr(&wins[t / 32u], 1u << (t % 32u));
     }
 }
 
-fn number_texel(
-    at: u32,
-    z: f32,
-    is_covered: bool,
+// Bits of the depths of four texels of a row, 0 where the triangle doesn't cover them or the row has ended.
+fn row_texels(
+    view: View,
     source: ChunkSource,
     local: vec3<u32>,
     triangle: Triangle,
-    q: vec3<f32>,
-    number: u32,
-) {
-    let depth = bitcast<f32>(atomicLoad(&depths[at]));
-    if is_covered && abs(z - depth) <= SAME_DEPTH * depth && !is_in_hole(source, local, triangle, q) {
-        atomicMax(&numbers[at], number);
+    limits: vec2<f32>,
+    x: i32,
+    last: i32,
+    v: f32,
+) -> vec4<u32> {
+    var result: vec4<u32>;
+    for (var i = 0; i < 4; i += 1) {
+        let q = scaled_direction(vec2<f32>(texel_u(view, f32(x + i)), v));
+        let z = clamp(dot(triangle.plane, q), limits.x, limits.y);
+        let is_covered = select(covers(triangle, q), covers_nearly(triangle, q), NUMBERS);
+        if is_covered && is_looked_up(view, q.xy) && z > 0.0 && z <= 1.0 && x + i <= last {
+            result[i] = select(bitcast<u32>(z), 0u, is_in_hole(source, local, triangle, q));
+        }
     }
+    return result;
 }
 
 fn covers_nearly(triangle: Triangle, q: vec3<f32>) -> bool {

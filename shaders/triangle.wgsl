@@ -194,3 +194,13 @@ fn depth_limits(near: f32, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<f32
     let farthest = min(depths.x, min(depths.y, depths.z));
     return vec2<f32>(select(0.0, farthest, is_bounded), select(3e38, nearest, is_bounded));
 }
+
+// Where the workspace has four texels of a row, the last one over where it has ended.
+fn row_places(view: View, square: u32, x: i32, y: i32, last: i32) -> vec4<u32> {
+    return vec4<u32>(
+        place_of_texel(view, square, x, y),
+        place_of_texel(view, square, min(x + 1, last), y),
+        place_of_texel(view, square, min(x + 2, last), y),
+        place_of_texel(view, square, min(x + 3, last), y),
+    );
+}
