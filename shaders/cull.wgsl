@@ -34,16 +34,21 @@ fn cull(
     @builtin(local_invocation_index) thread: u32,
 ) {
     let view = views[group.z];
+    let last = max(view.end_chunk, 1u) - 1u;
+    var next_source = chunk_sources[min(group.x, last)];
+    var next_bounds = chunk_bounds[min(group.x, last)];
     for (var chunk = group.x; chunk < view.end_chunk; chunk += groups.x) {
-        // All that a chunk needs is asked for at once, since what takes time is to wait.
-        let source = chunk_sources[chunk];
-        let bounds = chunk_bounds[chunk];
-        let vertex = vertices[source.vertex + min(thread, max(vertex_count(source), 1u) - 1u)].position;
-        let packed = triangles[source.triangle + min(thread, max(triangle_count(source), 1u) - 1u)];
+        // The next chunk is asked for while this one is dealt with, since what takes time is to wait.
+        let source = next_source;
+        let bounds = next_bounds;
+        next_source = chunk_sources[min(chunk + groups.x, last)];
+        next_bounds = chunk_bounds[min(chunk + groups.x, last)];
         let rule = culling_rule(view, source, bounds);
         let faces_away = rule != 0u && faces_away(bounds, view.position);
         let squares = select(squares_of_chunk(view, source, bounds), 0u, faces_away);
         if (squares & (1u << group.y)) != 0u {
+            let vertex = vertices[source.vertex + min(thread, vertex_count(source) - 1u)].position;
+            let packed = triangles[source.triangle + min(thread, triangle_count(source) - 1u)];
             cull_chunk(view, chunk, source, bounds, rule, vertex, packed, group.y, thread);
         }
     }
@@ -277,8 +282,7 @@ fn unit(e: vec3<f32>) -> vec3<f32> {
 // The tiles that a large triangle may touch: first x, first y, last x, last y, a byte each.
 fn tiles_of(view: View, source: ChunkSource, t: u32, square: u32) -> u32 {
     let local = corners_of(triangles[source.triangle + t]);
-    let triangle = triangle_of(view, local, square);
-    let box = whole_box_of(view, local, triangle);
+    let box = whole_box_of(view, local, square);
     let low = vec2<u32>(min(box.low / TILE, vec2<i32>(i32(view.across) - 1)));
     let high = vec2<u32>(max(box.high, vec2<i32>(0)) / TILE);
     return low.x | (low.y << 8u) | (high.x << 16u) | (high.y << 24u);

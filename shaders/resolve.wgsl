@@ -115,7 +115,7 @@ fn band_of(view: View, band: u32) -> vec2<i32> {
 
 fn box_in_band(view: View, source: ChunkSource, t: u32, square: u32, rows: vec2<i32>) -> Box {
     let local = corners_of(triangles[source.triangle + t]);
-    let box = whole_box_of(view, local, triangle_of(view, local, square));
+    let box = whole_box_of(view, local, square);
     return Box(vec2<i32>(box.low.x, max(box.low.y, rows.x)), vec2<i32>(box.high.x, min(box.high.y, rows.y)));
 }
 

@@ -105,12 +105,20 @@ fn box_of(view: View, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Box {
 }
 
 // The same for any triangle, however it lies.
-fn whole_box_of(view: View, local: vec3<u32>, triangle: Triangle) -> Box {
+fn whole_box_of(view: View, local: vec3<u32>, square: u32) -> Box {
     let a = corners[local.x];
     let b = corners[local.y];
     let c = corners[local.z];
-    if !is_near(a, b, c) || is_around_back(triangle.e0, triangle.e1, triangle.e2) {
-        return Box(vec2<i32>(0), vec2<i32>(i32(view.resolution) - 1));
+    let whole = Box(vec2<i32>(0), vec2<i32>(i32(view.resolution) - 1));
+    if !is_near(a, b, c) {
+        return whole;
+    }
+    let extent = max(a.xy, max(b.xy, c.xy)) - min(a.xy, min(b.xy, c.xy));
+    if dot(extent, extent) > 1.0 {
+        let triangle = triangle_of(view, local, square);
+        if is_around_back(triangle.e0, triangle.e1, triangle.e2) {
+            return whole;
+        }
     }
     return box_of(view, a, b, c);
 }
