@@ -227,17 +227,17 @@ fn start_texels(view: View, item: u32, tile: Tile, place: u32, quad: u32) -> Tex
             numbers[at[i]] = 0u;
         }
     }
-    if view.start != 0u {
+    if (view.flags & (FLAG_STATIC | FLAG_CUSTOM)) != 0u {
         let corner = quad_corner(tile, quad) + vec2<i32>(i32(tile.hemisphere) * i32(view.resolution), 0);
         for (var i = 0; i < 4; i += 1) {
             let texel = corner + vec2<i32>(0, i * QUAD_STEP);
-            if (view.start & START_STATIC) != 0u {
+            if (view.flags & FLAG_STATIC) != 0u {
                 let source = texel + vec2<i32>(vec2<u32>(view.left, view.top));
                 let depth = textureLoad(static_depths, source, view.layer, 0).x;
                 let number = textureLoad(static_numbers, source, view.layer, 0).x + 1u;
                 texels = nearer(texels, i, depth, number);
             }
-            if (view.start & START_CUSTOM) != 0u {
+            if (view.flags & FLAG_CUSTOM) != 0u {
                 texels = nearer(texels, i, textureLoad(custom_depths, texel, item, 0), 0u);
             }
         }

@@ -82,6 +82,7 @@ mod light;
 mod lookup;
 mod maps;
 mod mask;
+mod number;
 pub mod paraboloid;
 mod ranges;
 mod rasterise;
