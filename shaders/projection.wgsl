@@ -10,25 +10,32 @@ fn square_space(view: View, relative: vec3<f32>, square: u32) -> vec3<f32> {
     return dp_to_hemisphere(x, square == 1u);
 }
 
-// Map coordinates of a point, then the w by which its depth is `near / w`; negative where the point is behind the map.
-fn projected(view: View, x: vec3<f32>) -> vec3<f32> {
-    let w = dp_homogeneous_w(x);
-    let behind = x.z < view.behind * length(x);
-    return vec3<f32>(dp_project(x), select(w, -max(w, 1e-30), behind));
+// A vertex as a map sees it: in the map's space, its w, negative where it is behind the map, and its map coordinates.
+struct Corner {
+    place: vec3<f32>,
+    w: f32,
+    map: vec2<f32>,
+}
+
+fn corner_of(view: View, relative: vec3<f32>, square: u32) -> Corner {
+    let place = square_space(view, relative, square);
+    let w = dp_homogeneous_w(place);
+    let is_behind = place.z < view.behind * length(place);
+    return Corner(place, select(w, -max(w, 1e-30), is_behind), dp_project(place));
 }
 
 fn scaled_direction(p: vec2<f32>) -> vec3<f32> {
     return dp_unproject_scaled(p);
 }
 
-// The third component of the directions of four texels of a row.
-fn scaled_directions_z(u: vec4<f32>, v: f32) -> vec4<f32> {
+// The third component of the directions of four texels of a column.
+fn scaled_directions_z(u: f32, v: vec4<f32>) -> vec4<f32> {
     return 0.5 - 0.5 * (u * u + v * v);
 }
 
 // Whether edges between these corners are arcs no longer than `arc_bow` allows for.
-fn is_near(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> bool {
-    return max(dot(a.xy, a.xy), max(dot(b.xy, b.xy), dot(c.xy, c.xy))) < 2.0;
+fn is_near(a: Corner, b: Corner, c: Corner) -> bool {
+    return max(dot(a.map, a.map), max(dot(b.map, b.map), dot(c.map, c.map))) < 2.0;
 }
 
 // How far the arc of an edge leaves its chord at most, in map coordinates, if `is_near`: edges curve by 1 at most.

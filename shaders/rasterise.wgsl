@@ -1,5 +1,6 @@
 // Rasterise: each texel's greatest depth and the triangle that has it, of what was drawn small and of its tile's large
-// triangles. A workgroup takes a tile, a thread QUADS rows of four texels of it.
+// triangles. A workgroup takes a tile, a thread QUADS quads of it: four texels of a column, four rows apart, so that threads
+// side by side read and write texels side by side.
 
 @group(0) @binding(0) var<uniform> views: array<View, MOST_ITEMS>;
 @group(0) @binding(1) var<storage, read> records: array<vec4<u32>>;
@@ -7,8 +8,8 @@
 @group(0) @binding(3) var<storage, read_write> tiles: array<TileCounters>;
 @group(0) @binding(4) var<storage, read> tile_lists: array<u32>;
 // Of what was drawn small: depths, and numbers with one added. Cleared for the next item.
-@group(0) @binding(5) var<storage, read_write> depths: array<vec4<u32>>;
-@group(0) @binding(6) var<storage, read_write> numbers: array<vec4<u32>>;
+@group(0) @binding(5) var<storage, read_write> depths: array<u32>;
+@group(0) @binding(6) var<storage, read_write> numbers: array<u32>;
 @group(0) @binding(7) var map_depths: texture_storage_2d_array<r32float, write>;
 @group(0) @binding(8) var map_numbers: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(9) var static_depths: texture_2d_array<f32>;
@@ -205,32 +206,38 @@ fn kept_record(i: u32) -> Record {
     return record_of(words, words[1].w);
 }
 
-// Upper left texel of a tile's quad, in its map.
+// First texel of a tile's quad, in its map.
 fn quad_corner(tile: Tile, quad: u32) -> vec2<i32> {
-    return vec2<i32>(vec2<u32>(tile.x, tile.y)) * TILE + vec2<i32>(vec2<u32>(quad % 4u * 4u, quad / 4u));
+    return vec2<i32>(vec2<u32>(tile.x, tile.y)) * TILE + vec2<i32>(vec2<u32>(quad % 16u, quad / 16u));
 }
+
+// From one texel of a quad to the next: in rows, and in the workspace.
+const QUAD_STEP: i32 = 4;
+const QUAD_STRIDE: u32 = 64u;
 
 // What a quad's texels have before any large triangle, and clears it.
 fn start_texels(view: View, item: u32, tile: Tile, place: u32, quad: u32) -> Texels {
-    let at = place * QUADS_OF_TILE + quad;
-    let stored = depths[at];
+    let at = place * TILE_TEXELS + quad + vec4<u32>(0u, QUAD_STRIDE, 2u * QUAD_STRIDE, 3u * QUAD_STRIDE);
+    let stored = vec4<u32>(depths[at.x], depths[at.y], depths[at.z], depths[at.w]);
     var texels = Texels(bitcast<vec4<f32>>(stored), vec4<u32>(0u));
-    if any(stored != vec4<u32>(0u)) {
-        texels.number = numbers[at];
-        depths[at] = vec4<u32>(0u);
-        numbers[at] = vec4<u32>(0u);
+    for (var i = 0; i < 4; i += 1) {
+        if stored[i] != 0u {
+            texels.number[i] = numbers[at[i]];
+            depths[at[i]] = 0u;
+            numbers[at[i]] = 0u;
+        }
     }
-    if view.start != 0u {
+    if (view.flags & (FLAG_STATIC | FLAG_CUSTOM)) != 0u {
         let corner = quad_corner(tile, quad) + vec2<i32>(i32(tile.hemisphere) * i32(view.resolution), 0);
         for (var i = 0; i < 4; i += 1) {
-            let texel = corner + vec2<i32>(i, 0);
-            if (view.start & START_STATIC) != 0u {
+            let texel = corner + vec2<i32>(0, i * QUAD_STEP);
+            if (view.flags & FLAG_STATIC) != 0u {
                 let source = texel + vec2<i32>(vec2<u32>(view.left, view.top));
                 let depth = textureLoad(static_depths, source, view.layer, 0).x;
                 let number = textureLoad(static_numbers, source, view.layer, 0).x + 1u;
                 texels = nearer(texels, i, depth, number);
             }
-            if (view.start & START_CUSTOM) != 0u {
+            if (view.flags & FLAG_CUSTOM) != 0u {
                 texels = nearer(texels, i, textureLoad(custom_depths, texel, item, 0), 0u);
             }
         }
@@ -251,12 +258,12 @@ fn nearer(texels: Texels, i: i32, depth: f32, number: u32) -> Texels {
 // A quad with a large triangle. Of those of equal depth the greatest number shows.
 fn with_triangle(view: View, texels: Texels, record: Record, tile: Tile, quad: u32) -> Texels {
     let corner = vec2<f32>(quad_corner(tile, quad));
-    let v = texel_v(view, corner.y);
-    let u = vec4<f32>(
-        texel_u(view, corner.x),
-        texel_u(view, corner.x + 1.0),
-        texel_u(view, corner.x + 2.0),
-        texel_u(view, corner.x + 3.0),
+    let u = texel_u(view, corner.x);
+    let v = vec4<f32>(
+        texel_v(view, corner.y),
+        texel_v(view, corner.y + 4.0),
+        texel_v(view, corner.y + 8.0),
+        texel_v(view, corner.y + 12.0),
     );
     let h = scaled_directions_z(u, v);
     let z = clamp(products(record.plane, u, v, h), vec4<f32>(record.limits.x), vec4<f32>(record.limits.y));
@@ -271,7 +278,7 @@ fn with_triangle(view: View, texels: Texels, record: Record, tile: Tile, quad: u
 }
 
 // Products of a plane with the directions of four texels.
-fn products(e: vec3<f32>, u: vec4<f32>, v: f32, h: vec4<f32>) -> vec4<f32> {
+fn products(e: vec3<f32>, u: f32, v: vec4<f32>, h: vec4<f32>) -> vec4<f32> {
     return e.x * u + e.y * v + e.z * h;
 }
 
@@ -280,8 +287,9 @@ fn store_texels(view: View, texels: Texels, tile: Tile, quad: u32) {
     let size = i32(view.resolution);
     let target_corner = corner + vec2<i32>(i32(view.left + tile.hemisphere * u32(size)), i32(view.top));
     for (var i = 0; i < 4; i += 1) {
-        if corner.x + i < size && corner.y < size {
-            let at = target_corner + vec2<i32>(i, 0);
+        let row = i * QUAD_STEP;
+        if corner.x < size && corner.y + row < size {
+            let at = target_corner + vec2<i32>(0, row);
             textureStore(map_depths, at, view.layer, vec4<f32>(texels.depth[i], 0.0, 0.0, 0.0));
             textureStore(map_numbers, at, view.layer, vec4<u32>(texels.number[i] - 1u, 0u, 0u, 0u));
         }

@@ -28,14 +28,14 @@ impl Bin {
         views: &wgpu::Buffer,
         workspace: &Workspace,
     ) -> wgpu::BindGroup {
-        let Workspace { records, jobs, state, tiles, tile_lists, .. } = workspace;
-        gpu::bind_after_views(device, "bin", &self.layout, views, &[records, jobs, state, tiles, tile_lists])
+        let Workspace { records, lists, state, tiles, tile_lists, .. } = workspace;
+        gpu::bind_after_views(device, "bin", &self.layout, views, &[records, lists, state, tiles, tile_lists])
     }
 
     /// Records a batch of `items` items, of which `first` is the first of the recording.
     pub(crate) fn record(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, first: u32, items: u32, jobs: u32) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[first * SLOT as u32]);
-        pass.dispatch_workgroups(jobs.clamp(1, self.workgroups.bin_groups()), 1, items);
+        pass.dispatch_workgroups(jobs.clamp(1, self.workgroups.list_groups()), 1, items);
     }
 }

@@ -7,7 +7,7 @@ use crate::view::SLOT;
 use crate::workspace::Workspace;
 
 /// Texels along a side of the largest box of a triangle that is drawn at once.
-const SMALL: u32 = 12;
+const SMALL: u32 = 6;
 /// The same in software, where tiles are slower.
 const SOFTWARE_SMALL: u32 = 64;
 
@@ -50,7 +50,7 @@ impl Cull {
             casters.vertices.buffer(),
             &workspace.depths,
             &workspace.records,
-            &workspace.jobs,
+            &workspace.lists,
             &workspace.state,
         ];
         gpu::bind_after_views(device, "cull", &self.layout, views, &buffers)
@@ -61,6 +61,6 @@ impl Cull {
         debug_assert!(items <= MOST_ITEMS);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[first * SLOT as u32]);
-        pass.dispatch_workgroups(chunks.clamp(1, self.workgroups.most_groups()), 2, items);
+        pass.dispatch_workgroups((2 * chunks).clamp(1, self.workgroups.most_groups()), 1, items);
     }
 }

@@ -83,6 +83,7 @@ mod lookup;
 mod maps;
 mod mask;
 mod neighbours;
+mod number;
 pub mod paraboloid;
 mod ranges;
 mod rasterise;

@@ -1,5 +1,5 @@
-//! The resolve stage: draws what the cull stage put off, and finds which triangle each texel's depth is of
-//! (`shaders/resolve.wgsl`).
+//! The resolve stage: draws what the cull stage put off, and numbers its texels (`shaders/resolve.wgsl`). Of scenes without
+//! masks, and with room for all, it isn't recorded.
 
 use crate::casters::Casters;
 use crate::gpu::{self, Binding, Workgroups};
@@ -58,7 +58,7 @@ impl Resolve {
         ]
     }
 
-    /// Records a batch of `items` items, of which `first` is the first of the recording.
+    /// Records the drawing, or the numbering, of a batch of `items` items, of which `first` is the first of the recording.
     pub(crate) fn record(
         &self,
         pass: &mut wgpu::ComputePass,
@@ -66,15 +66,12 @@ impl Resolve {
         first: u32,
         items: u32,
         chunks: u32,
-        has_deferred: bool,
+        numbers: bool,
     ) {
+        pass.set_pipeline(if numbers { &self.numbers } else { &self.deferred });
         pass.set_bind_group(0, &groups[0], &[first * SLOT as u32]);
         pass.set_bind_group(1, &groups[1], &[]);
-        let pipelines = [has_deferred.then_some(&self.deferred), Some(&self.numbers)];
-        for pipeline in pipelines.into_iter().flatten() {
-            pass.set_pipeline(pipeline);
-            let groups = (2 * chunks).clamp(1, self.workgroups.most_groups());
-            pass.dispatch_workgroups(groups, self.workgroups.bands(), items);
-        }
+        let groups = (2 * chunks).clamp(1, self.workgroups.most_groups());
+        pass.dispatch_workgroups(groups, self.workgroups.bands(), items);
     }
 }

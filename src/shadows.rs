@@ -1,7 +1,7 @@
 //! The lights' maps: which are stale, and the order in which their stages are recorded.
 
 use crate::Error;
-use crate::batch::{Item, MASKED, MOST_ITEMS, MOVING, START_CUSTOM, START_STATIC, STATIC, Share};
+use crate::batch::{Item, FROM_CUSTOM, FROM_STATIC, MASKED, MOST_ITEMS, MOVING, STATIC, Share};
 use crate::bin::Bin;
 use crate::casters::Casters;
 use crate::cull::Cull;
@@ -10,6 +10,7 @@ use crate::gpu::{self, Workgroups};
 use crate::light::PointLight;
 use crate::lookup::Lookup;
 use crate::maps::{Maps, Target};
+use crate::number::Number;
 use crate::rasterise::Rasterise;
 use crate::resolve::Resolve;
 use crate::schedule::{self, Due, Light, Stale};
@@ -56,7 +57,7 @@ impl LightId {
 }
 
 /// Bias of the lookup along a surface's normal, in texel footprints: for curvature finer than a texel.
-const NORMAL_BIAS: f32 = 0.025;
+pub(crate) const NORMAL_BIAS: f32 = 0.025;
 
 /// Widest map: its tiles are numbered by bytes, and its texels' buffer has 128 MiB.
 const MOST_RESOLUTION: u32 = 4096;
@@ -78,6 +79,7 @@ pub struct PointShadows {
     lookup: Lookup,
     cull: Cull,
     resolve: Resolve,
+    number: Number,
     bin: Bin,
     rasterise: Rasterise,
     custom: Custom,
@@ -98,7 +100,7 @@ pub enum Stage {
     /// Leaving out, drawing what is small, recording what is large.
     Cull,
     /// Drawing what was put off, and numbering texels.
-    Resolve,
+    Number,
     /// Which tiles large triangles touch.
     Bin,
     /// From tiles to maps.
@@ -125,7 +127,8 @@ impl Tuning {
     /// As it is best for a device.
     #[must_use]
     pub fn of(device: &wgpu::Device) -> Self {
-        Self { reject: true, workgroups: Workgroups::of(device), small: None, room: ROOM, records: None }
+        let small = std::env::var("DP_SMALL").ok().and_then(|s| s.parse().ok());
+        Self { reject: true, workgroups: Workgroups::of(device), small, room: ROOM, records: None }
     }
 }
 
@@ -147,6 +150,7 @@ struct Groups {
     key: (u32, u64),
     cull: wgpu::BindGroup,
     resolve: [wgpu::BindGroup; 2],
+    number: wgpu::BindGroup,
     bin: wgpu::BindGroup,
     /// For the maps of static casters, if those are kept.
     rasterise_static: Option<wgpu::BindGroup>,
@@ -191,7 +195,7 @@ impl PointShadows {
         let tiles = 2 * shape.tiles() * shape.tiles();
         let room = room.min((device.limits().max_storage_buffer_binding_size / 4 / u64::from(tiles)) as u32).max(1);
         let maps = Maps::new(device, capacity, resolution, keep_static);
-        let share = Share { tiles, records: 64, jobs: 64, bits: 36, overflows: false };
+        let share = Share { tiles, records: 64, jobs: 64, winners: 64, bits: 36, overflows: false };
         Ok(Self {
             shape,
             capacity,
@@ -202,6 +206,7 @@ impl PointShadows {
             maps,
             cull: Cull::new(device, workgroups, reject, small),
             resolve: Resolve::new(device, workgroups),
+            number: Number::new(device, workgroups),
             bin: Bin::new(device, workgroups, room),
             rasterise: Rasterise::new(device, workgroups, room),
             custom: Custom::new(device, capacity),
@@ -213,10 +218,16 @@ impl PointShadows {
         })
     }
 
-    /// Records the stages up to this one only, to see what each takes. The maps are right with [`Stage::Rasterise`] alone.
+    /// Records the stages up to this one only from now on, to see what each takes. The maps are right with
+    /// [`Stage::Rasterise`] alone. What a recording that stopped early has left behind is cleared at once, by a submission
+    /// of its own.
     #[cfg(feature = "compare")]
-    pub fn stop_after(&mut self, stage: Stage) {
-        self.until = stage;
+    pub fn stop_after(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, stage: Stage) {
+        if std::mem::replace(&mut self.until, stage) < Stage::Rasterise {
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            self.workspace.clear(&mut encoder);
+            queue.submit([encoder.finish()]);
+        }
     }
 
     /// Adds a light; its map is made at the next [`Self::record`], and until then it has what its place last had. Where a
@@ -374,22 +385,19 @@ impl PointShadows {
             let target = if batch.start < first_live { Target::Static } else { Target::Live };
             self.record_batch(encoder, casters, batch, target);
         }
-        if self.until < Stage::Rasterise && std::env::var("DP_KEEP").is_err() {
-            self.workspace.clear(encoder);
-        }
     }
 
     /// What is made: first the maps of static casters, then, from the number that is returned, those that are looked up.
     fn plan(&self, due: &[Due], draws: bool) -> (u32, Vec<Item>) {
         let item = |due: &Due, kinds, start| Item { light: due.light, layer: due.layer, kinds, start };
-        let custom = if draws { START_CUSTOM } else { 0 };
+        let custom = if draws { FROM_CUSTOM } else { 0 };
         if !self.maps.keep_static() {
             return (0, due.iter().map(|due| item(due, STATIC | MOVING, custom)).collect());
         }
         let all_stale = due.iter().filter(|due| due.stale == Stale::Everything);
         let mut items: Vec<Item> = all_stale.map(|due| item(due, STATIC, 0)).collect();
         let first_live = items.len() as u32;
-        items.extend(due.iter().map(|due| item(due, MOVING, START_STATIC | custom)));
+        items.extend(due.iter().map(|due| item(due, MOVING, FROM_STATIC | custom)));
         (first_live, items)
     }
 
@@ -403,8 +411,14 @@ impl PointShadows {
         });
         self.cull.record(&mut pass, &groups.cull, first, items, chunks);
         let has_deferred = share.overflows || casters.triangles_of(MASKED) > 0;
-        if self.until >= Stage::Resolve {
-            self.resolve.record(&mut pass, &groups.resolve, first, items, chunks, has_deferred);
+        if self.until >= Stage::Number {
+            if has_deferred {
+                self.resolve.record(&mut pass, &groups.resolve, first, items, chunks, false);
+            }
+            self.number.record(&mut pass, &groups.number, first, items, share.winners);
+            if has_deferred {
+                self.resolve.record(&mut pass, &groups.resolve, first, items, chunks, true);
+            }
         }
         if self.until >= Stage::Bin {
             self.bin.record(&mut pass, &groups.bin, first, items, share.jobs);
@@ -449,6 +463,7 @@ impl PointShadows {
             key,
             cull: self.cull.bind_group(device, views, casters, workspace),
             resolve: self.resolve.bind_groups(device, views, casters, workspace),
+            number: self.number.bind_group(device, views, casters, workspace),
             bin: self.bin.bind_group(device, views, workspace),
             rasterise_static: self.maps.keep_static().then(|| rasterise(Target::Static, None)),
             rasterise_live: rasterise(Target::Live, self.custom.depths()),
@@ -500,23 +515,12 @@ impl PointShadows {
         (&self.workspace.state, self.recorded)
     }
 
-    /// debug
-    #[cfg(feature = "compare")]
-    #[must_use]
-    pub fn tile_counters(&self) -> &wgpu::Buffer { &self.workspace.tiles }
-
     /// The maps' triangles, `R32Uint`, laid out as [`Self::maps`]: the chunk in bits 8-31 and the place in it in bits 0-7;
     /// all bits set where there is none.
     #[cfg(feature = "compare")]
     #[must_use]
     pub fn numbers(&self) -> &wgpu::Texture {
         self.maps.numbers()
-    }
-
-    /// The lookup's bias along a surface's normal, in texel footprints.
-    #[must_use]
-    pub fn depth_tolerance(&self) -> f32 {
-        NORMAL_BIAS
     }
 
     /// Bytes on the GPU: the maps, twice with [`keep_static`](PointShadowsDescriptor::keep_static), and what the lights

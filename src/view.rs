@@ -1,6 +1,6 @@
 //! A light as the stages see it: the twins of the structs in `shaders/view.wgsl` and `shaders/hemisphere.wgsl`.
 
-use crate::batch::{Item, TILE};
+use crate::batch::{Item, OVERFLOWS, TILE};
 use crate::light::{Coverage, PointLight};
 use crate::paraboloid;
 use crate::workspace::Workspace;
@@ -83,12 +83,14 @@ pub(crate) struct View {
     first_bits: u32,
     record_capacity: u32,
     job_capacity: u32,
+    first_winner: u32,
+    winner_capacity: u32,
     counters: u32,
     left: u32,
     top: u32,
     layer: u32,
-    start: u32,
-    padding: [u32; 31],
+    flags: u32,
+    padding: [u32; 29],
 }
 
 /// Light space's axes in world space: the rows of the rotation from world to light space.
@@ -131,12 +133,14 @@ impl View {
             first_bits: workspace.bits(place),
             record_capacity: share.records,
             job_capacity: share.jobs,
+            first_winner: workspace.winners(place),
+            winner_capacity: share.winners,
             counters: Workspace::counters(number),
             left: 0,
             top: 0,
             layer: *layer,
-            start: *start,
-            padding: [0; 31],
+            flags: start | if share.overflows { OVERFLOWS } else { 0 },
+            padding: [0; 29],
         }
     }
 }

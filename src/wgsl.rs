@@ -12,6 +12,8 @@ const HEMISPHERE: &str = include_str!("../shaders/hemisphere.wgsl");
 const PROJECTION: &str = include_str!("../shaders/projection.wgsl");
 const TRIANGLE: &str = include_str!("../shaders/triangle.wgsl");
 const TILES: &str = include_str!("../shaders/tiles.wgsl");
+const CHUNK: &str = include_str!("../shaders/chunk.wgsl");
+const NUMBER: &str = include_str!("../shaders/number.wgsl");
 const CULL: &str = include_str!("../shaders/cull.wgsl");
 const RESOLVE: &str = include_str!("../shaders/resolve.wgsl");
 const BIN: &str = include_str!("../shaders/bin.wgsl");
@@ -64,11 +66,15 @@ pub(crate) fn transform_deformed() -> String {
 }
 
 pub(crate) fn cull() -> String {
-    [PARABOLOID, PROJECTION, CASTERS, VIEW, TRIANGLE, CULL].concat()
+    [PARABOLOID, PROJECTION, CASTERS, VIEW, TRIANGLE, CHUNK, CULL].concat()
 }
 
 pub(crate) fn resolve() -> String {
-    [PARABOLOID, PROJECTION, CASTERS, VIEW, TRIANGLE, MASK, RESOLVE].concat()
+    [PARABOLOID, PROJECTION, CASTERS, VIEW, TRIANGLE, CHUNK, MASK, RESOLVE].concat()
+}
+
+pub(crate) fn number() -> String {
+    [PARABOLOID, PROJECTION, CASTERS, VIEW, TRIANGLE, NUMBER].concat()
 }
 
 pub(crate) fn bin() -> String {
@@ -93,6 +99,7 @@ pub fn modules() -> Vec<(&'static str, String)> {
         ("transform_deformed", transform_deformed()),
         ("cull", cull()),
         ("resolve", resolve()),
+        ("number", number()),
         ("bin", bin()),
         ("rasterise", rasterise(1)),
         ("rasterise_software", rasterise(8)),

@@ -1,5 +1,7 @@
 //! The benchmarks as they are run, cut short: that they work and write what they say, not how fast anything is.
 
+use dual_paraboloid::compare::baselines::Method;
+use dual_paraboloid::compare::cost::Contestant;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -26,12 +28,26 @@ fn bench(name: &str, arguments: &[&str]) -> (bool, String, String) {
 fn cost_against_error_in_a_hurry() {
     let out = folder("cost_vs_error");
     let json = out.join("figures.json");
-    let (success, printed, said) =
-        bench("cost_vs_error", &["--quick", "--out", out.to_str().unwrap(), "--json", json.to_str().unwrap()]);
+    let arguments = ["--quick", "--rules", "double-sided,culled", "--out", out.to_str().unwrap(), "--json"];
+    let (success, printed, said) = bench("cost_vs_error", &[&arguments[..], &[json.to_str().unwrap()]].concat());
     assert!(success && !said.contains("panicked"), "{said}");
     let report = std::fs::read_to_string(out.join("report.md")).unwrap();
-    for title in ["# Cost against error", "## Ratios, all casters double-sided", "## Stages, back faces culled"] {
+    for title in [
+        "# Cost against error",
+        "## Scenes made in code, all casters double-sided, R = 64",
+        "There are no real scenes",
+        "## Stages (ms), R = 64, Scenes made in code, back faces culled",
+    ] {
         assert!(printed.contains(title) && report.contains(title), "{title} is missing in:\n{printed}");
+    }
+    // The main table comes first, with every lookup of every method.
+    let main = printed.split("## ").nth(1).expect("a section");
+    for rival in Method::ALL.into_iter().filter(|method| *method != Method::Paraboloid) {
+        let measured = figures_of(&json).iter().any(|cost| cost["method"] == rival.name());
+        for lookup in rival.lookups().iter().filter(|_| measured) {
+            let name = Contestant { method: rival, lookup: *lookup }.name();
+            assert!(main.contains(&format!("| {name} ")), "{name} is missing in:\n{main}");
+        }
     }
     for picture in ["error-time", "time-resolution", "time-triangles", "stages"] {
         for rule in ["double-sided", "culled"] {
@@ -47,27 +63,47 @@ fn cost_against_error_in_a_hurry() {
     scenes.iter().for_each(check_costs);
 }
 
-/// Every method at two resolutions, cubes in two sizes at each.
+/// All costs of the first scene in the file.
+fn figures_of(json: &Path) -> Vec<Value> {
+    let figures: Value = serde_json::from_slice(&std::fs::read(json).unwrap()).unwrap();
+    figures["scenes"][0]["costs"].as_array().expect("a list of costs").clone()
+}
+
+/// Every method at two resolutions, cubes in two sizes at the greater one, and every lookup with its errors and times.
 fn check_costs(scene: &Value) {
     let costs = scene["costs"].as_array().expect("a list of costs");
-    for (method, count) in [
-        ("paraboloid", 2),
-        ("vertex-warp", 2),
-        ("depth-view", 2),
-        ("cube", 4),
-        ("cube-unculled", 4),
-        ("cube-routed", 4),
+    for method in [
+        Method::Paraboloid,
+        Method::VertexWarp,
+        Method::DepthView,
+        Method::Cube,
+        Method::CubeUnculled,
+        Method::CubeRouted,
     ] {
-        let of: Vec<&Value> = costs.iter().filter(|cost| cost["method"] == method).collect();
-        assert_eq!(of.len(), count, "{method} in {}", scene["scene"]);
+        let of: Vec<&Value> = costs.iter().filter(|cost| cost["method"] == method.name()).collect();
+        assert_eq!(of.len(), if method.is_cube() { 3 } else { 2 }, "{method} in {}", scene["scene"]);
         for cost in of {
             assert!(cost["gpu"]["ms_median"].as_f64() > Some(0.0), "{cost}");
             assert!(cost["cpu"]["ms_median"].as_f64() > Some(0.0), "{cost}");
-            let errors = cost["errors"].as_array().expect("a list of errors").len();
-            let lookups = if method.starts_with("cube") { 2 } else { usize::from(method != "depth-view") };
-            assert_eq!(errors, lookups, "{cost}");
-            assert_eq!(cost["stages"].is_null(), method != "paraboloid", "{cost}");
+            assert!(cost["bytes"]["per_light"].as_u64() > Some(0), "{cost}");
+            assert_eq!(cost["stages"].is_null(), method != Method::Paraboloid, "{cost}");
+            let lookups = cost["lookups"].as_array().expect("a list of lookups");
+            assert_eq!(lookups.len(), method.lookups().len(), "{cost}");
+            lookups.iter().for_each(check_lookup);
         }
+    }
+}
+
+/// The error over two orientations, and times over two screens.
+fn check_lookup(lookup: &Value) {
+    let turned: Vec<f64> =
+        lookup["wrong_ppm_by_orientation"].as_array().unwrap().iter().filter_map(Value::as_f64).collect();
+    assert_eq!(turned.len(), 2, "{lookup}");
+    assert!((lookup["wrong_ppm"].as_f64().unwrap() - 0.5 * (turned[0] + turned[1])).abs() < 1e-6, "{lookup}");
+    let screens = lookup["screens"].as_array().expect("a list of screens");
+    assert_eq!(screens.len(), 2, "{lookup}");
+    for stage in ["compute", "fragment"] {
+        assert!(screens.iter().all(|screen| screen[stage]["ms_median"].as_f64() > Some(0.0)), "{lookup}");
     }
 }
 
@@ -88,8 +124,14 @@ fn lookups_in_a_hurry() {
     let (success, printed, said) = bench("lookup", &["--quick", "--out", out.to_str().unwrap()]);
     assert!(success && !said.contains("panicked"), "{said}");
     let table = std::fs::read_to_string(out).unwrap();
-    for text in ["few-large", "dp_shadow, 2x2 gathered", "dp_shadow_soft, 32 taps", "cube, 3x3 by hardware", "nothing"]
-    {
+    for text in [
+        "few-large",
+        "| paraboloid",
+        "dp_shadow_soft, 32 taps",
+        "cube, 3x3 by hardware",
+        "compute pass",
+        "fragment pass",
+    ] {
         assert!(printed.contains(text) && table.contains(text), "{text} is missing in:\n{printed}");
     }
 }

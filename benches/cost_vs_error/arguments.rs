@@ -2,9 +2,10 @@
 
 use clap::Parser;
 use dual_paraboloid::compare::baselines::Method;
-use dual_paraboloid::compare::cost::Rule;
-use dual_paraboloid::compare::measure::select_scenes;
+use dual_paraboloid::compare::cost::{LADDER, Rule};
+use dual_paraboloid::compare::measure::{SCENES_IN_CODE, select_scenes};
 use dual_paraboloid::compare::scene::{SceneError, scene_files, scenes_dir};
+use dual_paraboloid::compare::text::parse_size;
 use std::path::PathBuf;
 
 /// Cost against error: this library and other ways to make a point light's shadow map.
@@ -15,27 +16,33 @@ pub struct Arguments {
     /// files, or parts of the names of files in `DP_SCENES`. Without it, those of the comparison and all files
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub scenes: Vec<String>,
-    /// Texels across each map of the pair, separated by commas; 256, 512, 1024 and 2048 without it. There are cubes
-    /// as wide, and cubes with as many texels in all
+    /// Texels across each map of the pair, separated by commas; the ladder 64, 128, ... 4096 without it. Cubes have as
+    /// many texels in all, and at the one nearest to 1024 there are cubes as wide too
     #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     pub resolution: Vec<u32>,
     /// Methods, separated by commas; all without it
     #[arg(long, value_name = "METHOD", value_delimiter = ',', default_values_t = Method::ALL)]
     pub methods: Vec<Method>,
-    /// Which sides cast, separated by commas
-    #[arg(long, value_name = "RULE", value_delimiter = ',', default_values = ["double-sided", "culled"])]
+    /// Which sides cast, separated by commas: double-sided, culled
+    #[arg(long, value_name = "RULE", value_delimiter = ',', default_value = "double-sided")]
     pub rules: Vec<Rule>,
     /// Points of each scene to ask for their shadow
-    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: u32,
-    /// Number that the points are drawn with
+    /// Random orientations of all maps that errors are counted in
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
+    pub orientations: u32,
+    /// Number that the points and the orientations are drawn with
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
-    /// How often to make each map for the time it takes
+    /// Pixels of the screens whose lookups are timed, separated by commas; the first is part of the headline's time
+    #[arg(long, value_name = "WxH", value_delimiter = ',', default_value = "1920x1080,3840x2160", value_parser = parse_size)]
+    pub screens: Vec<(u32, u32)>,
+    /// How often to make each map, and each pass over the screen, for the time it takes
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     pub runs: u32,
     /// How long that may take for each scene and resolution; then there are fewer runs, but at least five
-    #[arg(long, value_name = "SECONDS", default_value_t = 4)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 3)]
     pub seconds: u32,
     /// Write the report and its pictures to a folder
     #[arg(long, value_name = "DIR")]
@@ -43,7 +50,7 @@ pub struct Arguments {
     /// Write all figures
     #[arg(long, value_name = "FILE.json")]
     pub json: Option<PathBuf>,
-    /// Only see whether everything works: two small scenes, tiny maps, few points, one run
+    /// Only see whether everything works: two small scenes, tiny maps and screens, few points, one run
     #[arg(long)]
     pub quick: bool,
     /// What cargo says to a benchmark.
@@ -51,15 +58,12 @@ pub struct Arguments {
     bench: bool,
 }
 
-/// The scenes of the comparison that are made in code.
-const PROCEDURAL: [&str; 7] = ["few-large", "many-small", "long-hall", "hall", "dense-1m", "dense-4m", "dense-17m"];
-
 impl Arguments {
     /// The command line, filled in.
     pub fn read() -> Self {
         let mut arguments = Self::parse();
         if arguments.resolution.is_empty() {
-            arguments.resolution = if arguments.quick { vec![32, 64] } else { vec![256, 512, 1024, 2048] };
+            arguments.resolution = if arguments.quick { vec![32, 64] } else { LADDER.to_vec() };
         }
         if !arguments.quick {
             return arguments;
@@ -67,7 +71,7 @@ impl Arguments {
         if arguments.scenes.is_empty() {
             arguments.scenes = ["few-large", "many-small-20"].map(str::to_owned).to_vec();
         }
-        Self { samples: 500, runs: 1, ..arguments }
+        Self { samples: 500, orientations: 2, screens: vec![(64, 36), (96, 54)], runs: 1, ..arguments }
     }
 
     /// The names of the scenes, for [`find_scene`](dual_paraboloid::compare::measure::find_scene).
@@ -77,6 +81,6 @@ impl Arguments {
         }
         let files = scenes_dir().map_or(Ok(Vec::new()), |folder| scene_files(&folder))?;
         let files = files.into_iter().map(|path| path.to_string_lossy().into_owned());
-        Ok(PROCEDURAL.map(str::to_owned).into_iter().chain(files).collect())
+        Ok(SCENES_IN_CODE.map(str::to_owned).into_iter().chain(files).collect())
     }
 }

@@ -9,11 +9,14 @@ mod report;
 
 use anyhow::{Context, bail, ensure};
 use arguments::Arguments;
-use dual_paraboloid::compare::baselines::{Budget, DeviceScene, Method};
-use dual_paraboloid::compare::cost::{Plan, Rule, SceneCosts, Subject};
+use dual_paraboloid::PointLight;
+use dual_paraboloid::compare::baselines::DeviceScene;
+use dual_paraboloid::compare::cost::{Origin, Plan, Rule, SceneCosts, Subject, orientations};
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene};
-use dual_paraboloid::compare::scene::Scene;
+use dual_paraboloid::compare::lookup_cost::Screens;
+use dual_paraboloid::compare::measure::{Judge, Truth, choose_camera, choose_light, find_scene, is_made_in_code};
+use dual_paraboloid::compare::scene::{Camera, Scene};
+use dual_paraboloid::compare::shot::Shot;
 use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::compare::timing::Timer;
 use figures::{Figures, main_resolution};
@@ -48,8 +51,10 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         adapter: gpu.name(),
         clock: timer.clock(),
         samples: arguments.samples,
+        orientations: arguments.orientations,
         seed: arguments.seed,
         runs: arguments.runs,
+        screens: arguments.screens.clone(),
         resolutions: arguments.resolution.clone(),
         main: main_resolution(&arguments.resolution),
         scenes: Vec::new(),
@@ -70,12 +75,12 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// What is measured at each resolution, and which methods the device can't do.
 fn plan(arguments: &Arguments, gpu: &Gpu) -> (Plan, Vec<String>) {
-    let (methods, others): (Vec<Method>, Vec<Method>) =
-        arguments.methods.iter().partition(|method| method.is_available(gpu));
-    let left_out = others.iter().map(|method| format!("{method}: it can't be made, or not right, on {}", gpu.name()));
+    let methods = arguments.methods.iter().copied().filter(|method| method.is_available(gpu)).collect();
+    let left_out =
+        arguments.methods.iter().filter_map(|method| Some(format!("{method}: left out: {}", method.left_out(gpu)?)));
     let plan = Plan {
         methods,
-        budgets: vec![Budget::EqualTexels, Budget::EqualSide],
+        main: main_resolution(&arguments.resolution),
         runs: arguments.runs as usize,
         most: Duration::from_secs(arguments.seconds.into()),
     };
@@ -91,15 +96,41 @@ struct Bench<'a> {
     bar: ProgressBar,
 }
 
-impl Bench<'_> {
+/// A scene to be measured, and what is the same under all rules.
+struct Setting<'a> {
+    scene: Scene,
+    origin: Origin,
+    light: PointLight,
+    camera: Camera,
+    /// What the camera sees, once a rule needed it.
+    screens: Option<Screens<'a>>,
+}
+
+impl<'a> Setting<'a> {
+    /// Casts the camera's rays, in the truth's triangles where all of them are there.
+    fn screens(&mut self, gpu: &'a Gpu, truth: &Truth, rule: Rule, sizes: &[(u32, u32)]) -> &mut Screens<'a> {
+        self.screens.get_or_insert_with(|| {
+            let shots = match rule {
+                Rule::DoubleSided => {
+                    let shot = |&(width, height)| Shot::of(&truth.reference, &self.camera, width, height);
+                    sizes.iter().map(shot).collect()
+                }
+                Rule::Culled => Shot::take_sizes(&self.scene, &self.camera, sizes),
+            };
+            Screens::new(gpu, &shots, &self.light)
+        })
+    }
+}
+
+impl<'a> Bench<'a> {
     /// Measures a scene under all rules. What the device can't do is left out, and `figures` says so.
     fn measure(&self, name: &str, figures: &mut Figures) -> anyhow::Result<()> {
         self.bar.set_message(format!("{name}: the scene"));
-        // The other methods know no holes.
-        let scene = find_scene(name)?.without_holes();
+        let mut setting = setting(name)?;
         for &rule in &self.arguments.rules {
             let started = Instant::now();
-            match self.gpu.attempt(|| self.costs(&scene, rule)).map_err(Into::into).and_then(|costs| costs) {
+            let measured = self.gpu.attempt(|| self.costs(&mut setting, rule));
+            match measured.map_err(Into::into).and_then(|costs| costs) {
                 Ok(costs) => {
                     let seconds = started.elapsed().as_secs_f64();
                     self.bar.suspend(|| eprintln!("{}, {rule}: measured in {seconds:.1} s", costs.scene));
@@ -108,26 +139,33 @@ impl Bench<'_> {
                     figures.scenes.push(costs);
                 }
                 Err(error) => {
-                    let why = one_line(format!("{error:#}"));
-                    self.bar.suspend(|| eprintln!("{}, {rule}: left out: {why}", scene.name));
-                    figures.left_out.push(format!("{}, {rule}: {why}", scene.name));
+                    let (scene, why) = (&setting.scene.name, one_line(format!("{error:#}")));
+                    self.bar.suspend(|| eprintln!("{scene}, {rule}: left out: {why}"));
+                    figures.left_out.push(format!("{scene}, {rule}: {why}"));
                 }
             }
         }
         Ok(())
     }
 
-    fn costs(&self, scene: &Scene, rule: Rule) -> anyhow::Result<SceneCosts> {
-        let message = |what: &str| self.bar.set_message(format!("{}, {rule}: {what}", scene.name));
-        let (light, _) = choose_light(scene, None, None);
+    fn costs(&self, setting: &mut Setting<'a>, rule: Rule) -> anyhow::Result<SceneCosts> {
+        let name = setting.scene.name.clone();
+        let message = |what: &str| self.bar.set_message(format!("{name}, {rule}: {what}"));
         message("casters");
-        let casters = DeviceScene::new(self.gpu, scene, rule.sides())?;
+        let light = setting.light;
+        let casters = DeviceScene::new(self.gpu, &setting.scene, rule.sides())?;
         message("the truth");
         let (samples, seed) = (self.arguments.samples as usize, self.arguments.seed);
-        let truth = Truth::with_sides(scene, &light, rule.sides(), samples, seed);
-        ensure!(!truth.receivers.is_empty(), "its light reaches no surface");
-        let judge = Judge::new(self.gpu, light, &truth);
-        let mut subject = Subject { gpu: self.gpu, timer: self.timer, casters, judge };
+        let truth = Truth::with_sides(&setting.scene, &light, rule.sides(), samples, seed);
+        ensure!(truth.counted() > 0, "its light reaches no surface");
+        let orientations = orientations(self.arguments.orientations as usize, seed);
+        let turned = PointLight { orientation: orientations[0], ..light };
+        let judge = Judge::new(self.gpu, turned, &truth);
+        let triangles = setting.scene.triangle_count();
+        let origin = setting.origin;
+        message("the camera's view");
+        let screens = setting.screens(self.gpu, &truth, rule, &self.arguments.screens);
+        let mut subject = Subject { gpu: self.gpu, timer: self.timer, casters, light, orientations, judge, screens };
         let (mut costs, mut left_out) = (Vec::new(), Vec::new());
         for &pair in &self.arguments.resolution {
             message(&format!("R = {pair}"));
@@ -136,8 +174,17 @@ impl Bench<'_> {
             left_out.extend(without);
             self.bar.inc(1);
         }
-        Ok(SceneCosts { scene: scene.name.clone(), triangles: scene.triangle_count(), rule, costs, left_out })
+        Ok(SceneCosts { scene: name.clone(), origin, triangles, rule, costs, left_out })
     }
+}
+
+fn setting<'a>(name: &str) -> anyhow::Result<Setting<'a>> {
+    // The other methods know no holes.
+    let scene = find_scene(name)?.without_holes();
+    let (light, choice) = choose_light(&scene, None, None);
+    let camera = choose_camera(&scene, &light, choice);
+    let origin = if is_made_in_code(name) { Origin::Code } else { Origin::File };
+    Ok(Setting { origin, light, camera, screens: None, scene })
 }
 
 /// A bar on stderr; indicatif shows it on a terminal only.

@@ -8,6 +8,7 @@ mod stages;
 use crate::figures::Figures;
 use anyhow::{anyhow, ensure};
 use dual_paraboloid::compare::cost::{Rule, SceneCosts};
+use panels::Panels;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use series::INK;
@@ -22,14 +23,17 @@ pub fn write_all(folder: &Path, figures: &Figures) -> anyhow::Result<Vec<String>
     for rule in figures.rules() {
         let scenes: Vec<&SceneCosts> = figures.of(rule).collect();
         let page = Page { folder, figures, rule };
-        names.push(page.write("error-time", panels::size(scenes.len()), "Error against time", |area| {
-            panels::error_against_time(area, figures, &scenes)
+        let panels = Panels::by_error(figures, &scenes);
+        names.push(
+            page.write("error-time", panels.size(), "Error against time", |area| panels.error_against_time(area))?,
+        );
+        let panels = Panels::by_time(figures, &scenes);
+        names.push(page.write("time-resolution", panels.size(), "The map's time against resolution", |area| {
+            panels.time_against_resolution(area)
         })?);
-        names.push(page.write("time-resolution", panels::size(scenes.len()), "Time against resolution", |area| {
-            panels::time_against_resolution(area, figures, &scenes)
-        })?);
-        names.push(page.write("time-triangles", panels::SINGLE, "Time against triangles", |area| {
-            panels::time_against_triangles(area, figures, &scenes)
+        let panels = Panels::single(figures, &scenes);
+        names.push(page.write("time-triangles", panels.size(), "The map's time against triangles", |area| {
+            panels.time_against_triangles(area)
         })?);
         names.push(page.write("stages", stages::size(scenes.len()), "Time of the stages", |area| {
             stages::draw(area, figures, &scenes)

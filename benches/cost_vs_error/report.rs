@@ -1,59 +1,51 @@
 //! The figures as text: Markdown that reads well on a terminal.
 
-use crate::figures::Figures;
-use dual_paraboloid::compare::baselines::{Budget, Lookup, Method};
-use dual_paraboloid::compare::cost::{Cost, LARGE_SCENE, Ratio, Ratios, Rule, SceneCosts};
+mod scenes;
+
+use crate::figures::{Figures, contestants, methods, rivals};
+use dual_paraboloid::compare::baselines::{Budget, Method};
+use dual_paraboloid::compare::cost::{
+    Contestant, ERROR_FLOOR_PPM, ErrorPair, ErrorRatios, Origin, Ratio, RatioSummary, Ratios, SceneCosts, Timed,
+};
 use dual_paraboloid::compare::text::{Table, grouped};
-use dual_paraboloid::compare::timing::{Summary, milliseconds};
 use std::fmt::Write;
 
-/// What times are shown of, scene by scene.
-const SHOWN: [(Method, &str); 7] = [
-    (Method::Paraboloid, "this"),
-    (Method::Cube, "cube"),
-    (Method::CubeUnculled, "not culled"),
-    (Method::CubeRouted, "routed"),
-    (Method::CubeMultiview, "multiview"),
-    (Method::VertexWarp, "vertex warp"),
-    (Method::DepthView, "plain view"),
-];
+pub use scenes::details;
 
-/// What the library is held against at every resolution.
-const YARDSTICKS: [(Method, &str); 3] =
-    [(Method::Cube, "cube"), (Method::CubeRouted, "routed cube"), (Method::DepthView, "plain view")];
-
-/// What it is held against at equal error.
-const AT_EQUAL_ERROR: [(Method, Lookup, &str); 5] = [
-    (Method::Cube, Lookup::CubeHardware, "cube, constant bias"),
-    (Method::Cube, Lookup::CubePlane, "cube, plane bias"),
-    (Method::CubeRouted, Lookup::CubeHardware, "routed cube, constant bias"),
-    (Method::CubeRouted, Lookup::CubePlane, "routed cube, plane bias"),
-    (Method::VertexWarp, Lookup::VertexWarp, "vertex warp"),
-];
-
-const LEGEND: &str = "\
-Times are medians, in milliseconds, of maps made anew with all methods interleaved. Ratios are this library's time over \
-the other's: below 1 it takes less. Means are geometric. *Equal texels*: six faces of a cube have as many as the pair; \
-*equal side*: a face is as wide as one of the pair's maps. *Equal error*: both curves of time against wrong answers, \
-over all sizes, interpolated in logarithms; the ratio is the median over errors spread evenly over the range that both \
-span, so that no single error is picked. Where they span none, `<` and `>` give the bound at the error where they come \
-closest, and means take it for the ratio. Wrong answers are in parts per million of the samples, against rays cast in \
-double precision.";
-
-/// The conditions, all ratios, and a line for each scene.
+/// The conditions, the main table, what is behind it, and a line for each scene.
 pub fn summary(figures: &Figures) -> String {
     let mut text = format!(
-        "# Cost against error\n\n{}; times: {}; {} samples, seed {}, up to {} runs.\n\n{LEGEND}\n",
+        "# Cost against error\n\n{}; times: {}; {} samples, {} random orientations of all maps, seed {}, up to {} runs.\n",
         figures.adapter,
         figures.clock,
         grouped(figures.samples as usize),
+        figures.orientations,
         figures.seed,
         figures.runs
     );
     for rule in figures.rules() {
-        let _ = write!(text, "\n## Ratios, {rule}\n\n{}", ratios(figures, rule));
-        let _ = write!(text, "\n## Scenes, {rule}, R = {}, equal texels\n\n{}", figures.main, scenes(figures, rule));
-        let _ = write!(text, "\n## Stages, {rule}, R = {}\n\n{}", figures.main, stages(figures, rule));
+        let groups = figures.groups(rule);
+        for (origin, scenes) in &groups {
+            let _ = write!(
+                text,
+                "\n## {}, {rule}, R = {}\n\n{}",
+                title(*origin),
+                figures.main,
+                main_table(figures, scenes)
+            );
+        }
+        if !groups.iter().any(|(origin, _)| *origin == Origin::File) {
+            text += "\nThere are no real scenes: name their folder in DP_SCENES.\n";
+        }
+    }
+    let _ = write!(text, "\n{}\n", legend(figures));
+    for rule in figures.rules() {
+        for (origin, scenes) in figures.groups(rule) {
+            let title = format!("{}, {rule}", title(origin));
+            let _ = write!(text, "\n## Other times, {title}\n\n{}", other_times(figures, &scenes));
+            let _ = write!(text, "\n## Map alone at equal size, {title}\n\n{}", equal_size(figures, &scenes));
+            text += &scenes::tables(figures, &scenes, &title);
+        }
     }
     if !figures.left_out.is_empty() {
         let _ = write!(text, "\n## Left out\n\n");
@@ -62,135 +54,132 @@ pub fn summary(figures: &Figures) -> String {
     text
 }
 
-/// Every figure, a table for each scene and rule.
-pub fn details(figures: &Figures) -> String {
-    figures.scenes.iter().fold("\n# All figures\n".to_owned(), |text, costs| {
-        let title = format!("{}, {} triangles, {}", costs.scene, grouped(costs.triangles), costs.rule);
-        text + &format!("\n## {title}\n\n{}", every_cost(costs))
-    })
+fn title(origin: Origin) -> &'static str {
+    match origin {
+        Origin::File => "Real scenes",
+        Origin::Code => "Scenes made in code",
+    }
 }
 
-fn ratios(figures: &Figures, rule: Rule) -> Table {
-    let scenes: Vec<&SceneCosts> = figures.of(rule).collect();
-    let large = format!("from {} triangles", grouped(LARGE_SCENE));
-    let mut table = Table::new(&["against", "at equal", &large, "all", "worst", "in"]);
-    let mut add = |name: &str, equal: &str, ratios: Ratios| {
-        let Some(worst) = ratios.worst() else { return };
-        let mean = |mean: Option<f64>| mean.map_or("-".to_owned(), ratio_text);
-        let cells = [equal.to_owned(), mean(ratios.large), mean(ratios.all), signed(worst), worst.scene.clone()];
-        table.row([name.to_owned()].into_iter().chain(cells));
-    };
-    let mut at_size = |method, name, budget, pair, equal: &str| {
-        add(name, &format!("{equal}, R = {pair}"), Ratios::at_equal_size(&scenes, method, budget, pair));
-    };
-    for (method, name) in YARDSTICKS {
-        for &pair in &figures.resolutions {
-            at_size(method, name, Budget::EqualTexels, pair, "texels");
-        }
-    }
-    for (method, name) in SHOWN.into_iter().filter(|(method, _)| method.is_cube()) {
-        at_size(method, name, Budget::EqualSide, figures.main, "side");
-    }
-    for (method, name) in [SHOWN[2], SHOWN[4], SHOWN[5]] {
-        at_size(method, name, Budget::EqualTexels, figures.main, "texels");
-    }
-    for (method, lookup, name) in AT_EQUAL_ERROR {
-        add(name, "error", Ratios::at_equal_error(&scenes, method, lookup));
-    }
-    table
+fn legend(figures: &Figures) -> String {
+    let main = figures.main;
+    format!(
+        "\
+All figures are this library's over the other's: below 1 it does better. *Time* is the {}, medians with all methods \
+interleaved, where the other method is as wrong as this library at R = {main}: its curve of time against wrong answers, \
+over the ladder {:?} with as many texels, is interpolated in logarithms. Where the curve doesn't reach that error there is \
+a bound; columns `<` and `>` count upper and lower bounds. *Median* takes bounds for the ratio, with those that are lower \
+bounds last; *mean* is geometric, of the ratios that are no bounds. *Wrong* are answers on the wrong side of a half \
+against rays cast in double precision; their ratios have {ERROR_FLOOR_PPM} ppm added on both sides. *Equal texels*: six faces \
+of a cube have as many as the pair; *equal bytes*: a light's maps take as many, error interpolated on the other's curve. \
+*Pooled* is sum over sum; *wins* counts scenes where this library does better. The scenes `dense-*` count as one. Where \
+nothing was wrong, curves have 3/n: {} ppm.",
+        Timed::HEADLINE.name(&figures.screens),
+        figures.resolutions,
+        3e6 / f64::from(figures.samples),
+    )
 }
 
-fn scenes(figures: &Figures, rule: Rule) -> Table {
-    let scenes: Vec<&SceneCosts> = figures.of(rule).collect();
-    let mut head = vec!["scene", "triangles"];
-    head.extend(SHOWN.map(|(_, name)| name));
-    head.extend(["this / cube", "equal error: constant", "plane", "wrong: this", "constant", "plane", "warp"]);
+/// Against every other method and lookup: time at this library's error, error at equal texels and at equal bytes.
+fn main_table(figures: &Figures, scenes: &[&SceneCosts]) -> Table {
+    let mut head = vec!["against", "time: median", "worst", "in", "mean", "<", ">", "wins"];
+    head.extend(["wrong, equal texels: median", "worst", "in", "mean", "pooled", "wins"]);
+    head.extend(["wrong, equal bytes: median", "worst", "in", "mean", "pooled", "wins"]);
     let mut table = Table::new(&head);
-    let equal =
-        [Lookup::CubeHardware, Lookup::CubePlane].map(|lookup| Ratios::at_equal_error(&scenes, Method::Cube, lookup));
-    for costs in &scenes {
-        let find = |method| costs.find(method, Budget::EqualTexels, figures.main);
-        let wrong = |method, lookup| or_dash(find(method).and_then(|cost| cost.wrong_ppm(lookup)).map(ppm));
-        let own = find(Method::Paraboloid).zip(find(Method::Cube));
-        let mut cells = vec![costs.scene.clone(), grouped(costs.triangles)];
-        cells.extend(SHOWN.map(|(method, _)| or_dash(find(method).map(|cost| time(cost.milliseconds())))));
-        cells.push(or_dash(own.map(|(own, cube)| ratio_text(own.milliseconds() / cube.milliseconds()))));
-        cells.extend(equal.iter().map(|ratios| or_dash(ratios.of(&costs.scene).map(signed))));
-        cells.push(wrong(Method::Paraboloid, Lookup::Paraboloid));
-        cells.push(wrong(Method::Cube, Lookup::CubeHardware));
-        cells.push(wrong(Method::Cube, Lookup::CubePlane));
-        cells.push(wrong(Method::VertexWarp, Lookup::VertexWarp));
-        table.row(cells);
-    }
-    table
-}
-
-fn stages(figures: &Figures, rule: Rule) -> Table {
-    let mut table = Table::new(&["scene", "triangles", "route", "split", "depth", "recording, CPU us"]);
-    for costs in figures.of(rule) {
-        let own = costs.find(Method::Paraboloid, Budget::EqualTexels, figures.main);
-        let Some((own, stages)) = own.and_then(|own| Some((own, own.stages?))) else { continue };
-        let times = [stages.route, stages.split, stages.depth].map(|stage| time(milliseconds(stage)));
-        let recording = format!("{:.0}", 1000.0 * milliseconds(own.cpu.median));
-        table.row([costs.scene.clone(), grouped(costs.triangles)].into_iter().chain(times).chain([recording]));
-    }
-    table
-}
-
-fn every_cost(costs: &SceneCosts) -> Table {
-    let mut table = Table::new(&[
-        "method",
-        "equal",
-        "R",
-        "side",
-        "texels",
-        "MB",
-        "GPU ms",
-        "min",
-        "max",
-        "CPU ms",
-        "min",
-        "max",
-        "runs",
-        "wrong",
-        "plane bias",
-    ]);
-    for cost in &costs.costs {
-        let equal = match (cost.method.is_cube(), cost.budget) {
-            (false, _) => "both",
-            (true, Budget::EqualTexels) => "texels",
-            (true, Budget::EqualSide) => "side",
+    let main = figures.main;
+    for rival in rivals(scenes) {
+        let time = Ratios::new(scenes, |costs| costs.at_own_error(rival, Timed::HEADLINE, main)).summary();
+        let errors = |of: fn(&SceneCosts, Contestant, u32) -> Option<ErrorPair>| {
+            ErrorRatios::new(&scenes.iter().filter_map(|costs| of(costs, rival, main)).collect::<Vec<_>>())
         };
-        let mut cells = vec![cost.method.to_string(), equal.to_owned(), cost.pair.to_string(), cost.side.to_string()];
-        cells.extend([grouped(cost.texels as usize), format!("{:.1}", cost.bytes as f64 / 1e6)]);
-        cells.extend([cost.gpu, cost.cpu].iter().flat_map(three));
-        cells.push(cost.runs.to_string());
-        cells.extend(errors(cost));
+        let texels = errors(SceneCosts::errors_at_equal_texels);
+        let bytes = errors(SceneCosts::errors_at_equal_bytes);
+        let mut cells = vec![rival.name()];
+        cells.extend(time_cells(&time));
+        cells.extend([texels, bytes].iter().flat_map(error_cells));
         table.row(cells);
     }
     table
 }
 
-/// The wrong answers of a method's own lookup, and of the plane bias where that is another.
-fn errors(cost: &Cost) -> [String; 2] {
-    let own = cost.method.lookups().first().and_then(|lookup| cost.wrong_ppm(*lookup));
-    [own, cost.wrong_ppm(Lookup::CubePlane)].map(|wrong| or_dash(wrong.map(ppm)))
+/// Median, worst, where, mean, bounds on either side and wins.
+fn time_cells(time: &RatioSummary) -> [String; 7] {
+    let all = time.exact + time.at_most + time.at_least;
+    [
+        or_dash(time.median.map(signed)),
+        or_dash(time.worst.as_ref().map(|(_, ratio)| signed(*ratio))),
+        family(&time.worst),
+        or_dash(time.mean.map(ratio_text)),
+        time.at_most.to_string(),
+        time.at_least.to_string(),
+        format!("{} of {all}", time.wins),
+    ]
 }
 
-fn three(summary: &Summary) -> [String; 3] {
-    [summary.median, summary.min, summary.max].map(|duration| time(milliseconds(duration)))
+/// Median, worst, where, mean, pooled and wins.
+fn error_cells(errors: &ErrorRatios) -> [String; 6] {
+    [
+        or_dash(errors.median.map(ratio_text)),
+        or_dash(errors.worst.as_ref().map(|(_, ratio)| ratio_text(*ratio))),
+        family(&errors.worst),
+        or_dash(errors.mean.map(ratio_text)),
+        or_dash(errors.pooled.map(ratio_text)),
+        format!("{} of {}", errors.wins, errors.of),
+    ]
 }
 
-fn time(milliseconds: f64) -> String {
-    format!("{milliseconds:.3}")
+fn family<T>(worst: &Option<(String, T)>) -> String {
+    or_dash(worst.as_ref().map(|(name, _)| name.clone()))
+}
+
+/// Median and worst of every kind of time, at this library's error, and of the headline's over the range of errors that
+/// both curves share.
+fn other_times(figures: &Figures, scenes: &[&SceneCosts]) -> Table {
+    let timed = Timed::all(figures.screens.len());
+    let names = timed.iter().map(|timed| timed.name(&figures.screens)).chain(["headline, shared errors".to_owned()]);
+    let titles: Vec<String> = ["against".to_owned()].into_iter().chain(names).collect();
+    let mut table = Table::new(&titles.iter().map(String::as_str).collect::<Vec<_>>());
+    for rival in rivals(scenes) {
+        let cell = |of: &dyn Fn(&SceneCosts) -> Option<Ratio>| median_and_worst(&Ratios::new(scenes, of).summary());
+        let mut cells = vec![rival.name()];
+        cells.extend(timed.iter().map(|&timed| cell(&|costs| costs.at_own_error(rival, timed, figures.main))));
+        cells.push(cell(&|costs| costs.at_equal_error(rival, Timed::HEADLINE)));
+        table.row(cells);
+    }
+    table
+}
+
+/// Median and worst of the map's time alone, at each size.
+fn equal_size(figures: &Figures, scenes: &[&SceneCosts]) -> Table {
+    let mut titles = vec!["against".to_owned(), format!("equal side, R = {}", figures.main)];
+    titles.extend(figures.resolutions.iter().map(|pair| format!("equal texels, R = {pair}")));
+    let mut table = Table::new(&titles.iter().map(String::as_str).collect::<Vec<_>>());
+    for method in methods(scenes).into_iter().filter(|method| *method != Method::Paraboloid) {
+        let cell = |budget, pair| {
+            median_and_worst(&Ratios::new(scenes, |costs| costs.at_equal_size(method, budget, pair)).summary())
+        };
+        let sides = if method.is_cube() { cell(Budget::EqualSide, figures.main) } else { or_dash(None) };
+        let texels = figures.resolutions.iter().map(|&pair| cell(Budget::EqualTexels, pair));
+        table.row([method.to_string(), sides].into_iter().chain(texels));
+    }
+    table
+}
+
+fn median_and_worst(summary: &RatioSummary) -> String {
+    let worst = summary.worst.as_ref().map(|(_, ratio)| *ratio);
+    or_dash(summary.median.zip(worst).map(|(median, worst)| format!("{} ({})", signed(median), signed(worst))))
 }
 
 fn ppm(value: f64) -> String {
     format!("{value:.0}")
 }
 
-fn signed(ratio: &Ratio) -> String {
-    format!("{}{}", ratio.sign, ratio_text(ratio.ratio))
+fn time(milliseconds: f64) -> String {
+    format!("{milliseconds:.3}")
+}
+
+fn signed(ratio: Ratio) -> String {
+    format!("{}{}", ratio.sign(), ratio_text(ratio.value()))
 }
 
 fn ratio_text(ratio: f64) -> String {

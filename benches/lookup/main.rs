@@ -6,11 +6,12 @@ use anyhow::Context;
 use clap::Parser;
 use dual_paraboloid::compare::cost::geometric_mean;
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::lookup_cost::{LookupBench, LookupTime, Question};
-use dual_paraboloid::compare::measure::{choose_light, find_scene, select_scenes};
+use dual_paraboloid::compare::lookup_cost::{LookupBench, LookupTime, PassStage, Question};
+use dual_paraboloid::compare::measure::{choose_camera, choose_light, find_scene, select_scenes};
 use dual_paraboloid::compare::shot::Shot;
-use dual_paraboloid::compare::text::{Table, one_line};
+use dual_paraboloid::compare::text::{Table, one_line, parse_size};
 use dual_paraboloid::compare::timing::{Rounds, Timer, milliseconds};
+use serde::Serialize;
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -25,9 +26,9 @@ struct Arguments {
     /// Texels across each map of the pair; the cube has as many in all
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
     resolution: u32,
-    /// Pixels of the screen
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1920x1080", value_parser = size)]
-    size: (u32, u32),
+    /// Pixels of the screens, separated by commas
+    #[arg(long, value_name = "WxH", value_delimiter = ',', default_value = "1920x1080,3840x2160", value_parser = parse_size)]
+    screens: Vec<(u32, u32)>,
     /// How often to time each pass
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
@@ -49,7 +50,8 @@ struct Arguments {
 }
 
 const LEGEND: &str = "\
-Medians of a pass over the whole screen, with all passes interleaved. *Over nothing* is the time less \
+Medians of a pass over the whole screen, with all passes interleaved: in compute, as deferred renderers light, and in a \
+fragment pass. *Over nothing* is the time less \
 that of the pass that only reads the position and the normal. Ratios are to the hardware's comparison in a cube, of \
 the whole time and of that over nothing, and of filters to the same on the cube.";
 
@@ -68,9 +70,8 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
     let names = select_scenes(&arguments.scenes)?;
     let gpu = Gpu::new(wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)?;
     let timer = Timer::new(&gpu);
-    let (width, height) = arguments.size;
     let mut text = format!(
-        "# Cost of a lookup\n\n{}; times: {}; {width}x{height} pixels, R = {}, {} runs of {} passes.\n\n{LEGEND}\n",
+        "# Cost of a lookup\n\n{}; times: {}; R = {}, {} runs of {} passes.\n\n{LEGEND}\n",
         gpu.name(),
         timer.clock(),
         arguments.resolution,
@@ -80,18 +81,23 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
     let mut scenes = Vec::new();
     for name in &names {
         eprintln!("{name}");
-        let (scene, times) = measure(&gpu, &timer, name, &arguments)?;
-        text += &format!("\n## {scene}\n\n{}", table(&times));
-        scenes.push((scene, times));
+        scenes.extend(measure(&gpu, &timer, name, &arguments)?);
     }
-    text += &format!("\n## Geometric means over the scenes\n\n{}", means(&scenes));
+    for &size in &arguments.screens {
+        for stage in PassStage::ALL {
+            let title = format!("{}, {}x{}", stage.name(), size.0, size.1);
+            text += &format!("\n## Geometric means over the scenes, {title}\n\n{}", means(&scenes, size, stage));
+            for of in scenes.iter().filter(|of| of.size == size) {
+                text += &format!("\n### {}, {title}\n\n{}", of.scene, table(&of.times, stage));
+            }
+        }
+    }
     println!("{text}");
     let json = json!({
         "adapter": gpu.name(),
         "clock": timer.clock(),
-        "size": [width, height],
         "resolution": arguments.resolution,
-        "scenes": scenes.iter().map(|(scene, times)| json!({ "scene": scene, "lookups": times })).collect::<Vec<_>>(),
+        "scenes": scenes,
     });
     let files = [(&arguments.out, text), (&arguments.json, format!("{json:#}\n"))];
     files.iter().filter_map(|(path, text)| Some((path.as_ref()?, text))).try_for_each(|(path, text)| {
@@ -100,24 +106,42 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
 }
 
 fn quick(arguments: Arguments) -> Arguments {
-    Arguments { scenes: vec!["few-large".into()], resolution: 64, size: (64, 36), runs: 1, repeat: 1, ..arguments }
+    Arguments {
+        scenes: vec!["few-large".into()],
+        resolution: 64,
+        screens: vec![(64, 36)],
+        runs: 1,
+        repeat: 1,
+        ..arguments
+    }
 }
 
-fn measure(gpu: &Gpu, timer: &Timer, name: &str, arguments: &Arguments) -> anyhow::Result<(String, Vec<LookupTime>)> {
+/// A scene's times at one size of the screen.
+#[derive(Serialize)]
+struct SceneTimes {
+    scene: String,
+    size: (u32, u32),
+    times: Vec<LookupTime>,
+}
+
+fn measure(gpu: &Gpu, timer: &Timer, name: &str, arguments: &Arguments) -> anyhow::Result<Vec<SceneTimes>> {
     // The other methods know no holes.
     let scene = find_scene(name)?.without_holes();
-    let (light, _) = choose_light(&scene, None, None);
-    let (width, height) = arguments.size;
-    let shot = Shot::take(&scene, &scene.suggest_camera(light.position), width, height);
-    let bench = LookupBench::new(gpu, &scene, &light, &shot, arguments.resolution)?;
+    let (light, choice) = choose_light(&scene, None, None);
     let rounds = Rounds { warm_up: 3, measured: arguments.runs as usize };
-    Ok((scene.name, bench.times(timer, rounds, arguments.repeat)))
+    let mut all = Vec::new();
+    for shot in Shot::take_sizes(&scene, &choose_camera(&scene, &light, choice), &arguments.screens) {
+        let bench = LookupBench::new(gpu, &scene, &light, &shot, arguments.resolution)?;
+        let times = bench.times(timer, rounds, arguments.repeat);
+        all.push(SceneTimes { scene: scene.name.clone(), size: (shot.width, shot.height), times });
+    }
+    Ok(all)
 }
 
-fn table(times: &[LookupTime]) -> Table {
+fn table(times: &[LookupTime], stage: PassStage) -> Table {
     let head = ["lookup", "time, us", "min", "max", "over nothing"];
     let mut table = Table::new(&[&head[..], &RATIOS].concat());
-    for time in times {
+    for time in times.iter().filter(|time| time.stage == stage) {
         let micros = |milliseconds: f64| format!("{:.1}", 1000.0 * milliseconds);
         let taken = [time.time.median, time.time.min, time.time.max].map(|time| micros(milliseconds(time)));
         let ratios = figures(time).map(ratio);
@@ -134,11 +158,14 @@ fn figures(time: &LookupTime) -> [Option<f64>; 3] {
 }
 
 /// Geometric means of the ratios over scenes.
-fn means(scenes: &[(String, Vec<LookupTime>)]) -> Table {
+fn means(scenes: &[SceneTimes], size: (u32, u32), stage: PassStage) -> Table {
     let mut table = Table::new(&[&["lookup"][..], &RATIOS].concat());
-    for (place, question) in Question::ALL.into_iter().enumerate() {
+    for question in Question::all() {
+        let of_size = scenes.iter().filter(|of| of.size == size).flat_map(|of| &of.times);
+        let times: Vec<_> =
+            of_size.filter(|time| time.stage == stage && time.question == question).map(figures).collect();
         let mean = |number: usize| {
-            let all = scenes.iter().filter_map(|(_, times)| figures(&times[place])[number]);
+            let all = times.iter().filter_map(|figures| figures[number]);
             geometric_mean(&all.filter(|ratio| *ratio > 0.0).collect::<Vec<_>>())
         };
         let ratios = [0, 1, 2].map(mean);
@@ -149,10 +176,4 @@ fn means(scenes: &[(String, Vec<LookupTime>)]) -> Table {
 
 fn ratio(ratio: Option<f64>) -> String {
     ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.2}"))
-}
-
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let pixels = |text: &str| text.parse::<u32>().ok().filter(|pixels| (1..=8192).contains(pixels));
-    let parsed = text.split_once('x').and_then(|(width, height)| pixels(width).zip(pixels(height)));
-    parsed.ok_or_else(|| format!("{text:?} is not like 1920x1080, with 1 to 8192 pixels each way"))
 }

@@ -86,7 +86,7 @@ struct Measured {
 fn measure(arguments: &Arguments, gpu: &Gpu, plaza: &mut Plaza, sides: &mut BothSides) -> anyhow::Result<Measured> {
     let timer = Timer::new(gpu);
     println!("device times {}", timer.clock());
-    let mut table = Table::new(&["frame", "casters", "route", "split", "depth", "this, ms", "kept", "still", "cube"]);
+    let mut table = Table::new(&["frame", "casters", "cull", "bin", "rasterise", "this, ms", "kept", "still", "cube"]);
     let mut samples = [const { Vec::new() }; Way::ALL.len()];
     let mut recording = [const { Vec::new() }; Way::ALL.len()];
     let (mut step, mut moving) = (0, Vec::new());
@@ -128,11 +128,11 @@ fn measure(arguments: &Arguments, gpu: &Gpu, plaza: &mut Plaza, sides: &mut Both
 }
 
 /// A row: the shares of the stages, and times in milliseconds. Ways are in the order of [`Way::ALL`].
-fn cells(name: String, [casters, route, split, all, kept, still, cube]: [Duration; Way::ALL.len()]) -> Vec<String> {
+fn cells(name: String, [casters, cull, bin, all, kept, still, cube]: [Duration; Way::ALL.len()]) -> Vec<String> {
     let share = |to: Duration, from: Duration| {
         format!("{:.0} %", 100.0 * to.saturating_sub(from).as_secs_f64() / all.as_secs_f64().max(1e-9))
     };
-    let shares = [share(casters, Duration::ZERO), share(route, casters), share(split, route), share(all, split)];
+    let shares = [share(casters, Duration::ZERO), share(cull, casters), share(bin, cull), share(all, bin)];
     let times = [all, kept, still, cube].map(|time| format!("{:.3}", milliseconds(time)));
     [name].into_iter().chain(shares).chain(times).collect()
 }

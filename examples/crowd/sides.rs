@@ -3,7 +3,7 @@
 use crate::cloth::Cloth;
 use crate::plaza::Plaza;
 use anyhow::Context;
-use dual_paraboloid::compare::baselines::{Budget, ConstantBias, Cube, Culling, Method, SceneBuffers};
+use dual_paraboloid::compare::baselines::{Budget, Cube, CubeDepth, Culling, Method, SceneBuffers};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::{
     Casters, InstanceId, LightId, PointShadows, PointShadowsDescriptor, RecordOptions, Sides, Stage,
@@ -14,10 +14,10 @@ use dual_paraboloid::{
 pub enum Way {
     /// Moving the casters, without any light.
     Casters,
-    /// That and choosing triangles.
-    Route,
-    /// That and cutting those that would bend.
-    Split,
+    /// That and the culling.
+    Cull,
+    /// That and the binning.
+    Bin,
     /// All of it.
     All,
     /// All of it, over maps of the static casters that are kept.
@@ -30,7 +30,7 @@ pub enum Way {
 
 impl Way {
     pub const ALL: [Self; 7] =
-        [Self::Casters, Self::Route, Self::Split, Self::All, Self::Kept, Self::Still, Self::Cube];
+        [Self::Casters, Self::Cull, Self::Bin, Self::All, Self::Kept, Self::Still, Self::Cube];
 }
 
 /// Casters and maps of both sides.
@@ -80,7 +80,8 @@ impl BothSides {
         ];
         let buffers = SceneBuffers::new(&gpu.device, &plaza.scene, false)?;
         let side = Method::Cube.side(resolution, Budget::EqualTexels);
-        let cubes = plaza.lights.iter().map(|_| Cube::new(&gpu.device, side, Culling::Frustum)).collect();
+        let cubes =
+            plaza.lights.iter().map(|_| Cube::new(&gpu.device, side, Culling::Frustum, CubeDepth::Float32)).collect();
         Ok(Self { casters, instances, cloth, shadows, buffers, cubes })
     }
 
@@ -123,14 +124,14 @@ impl BothSides {
         let Gpu { device, queue, .. } = gpu;
         if way == Way::Cube {
             for (cube, light) in self.cubes.iter_mut().zip(&plaza.lights) {
-                cube.record(device, queue, encoder, &self.buffers, light, ConstantBias::default());
+                cube.record(device, queue, encoder, &self.buffers, light);
             }
             return Ok(());
         }
         let shadows = &mut self.shadows[usize::from(way == Way::Kept)];
-        shadows.stop_after(match way {
-            Way::Route => Stage::Cull,
-            Way::Split => Stage::Bin,
+        shadows.stop_after(device, queue, match way {
+            Way::Cull => Stage::Cull,
+            Way::Bin => Stage::Bin,
             _ => Stage::Rasterise,
         });
         let most = (way == Way::Casters).then_some(0);

@@ -3,7 +3,10 @@
 use crate::filter::FilterName;
 use clap::Parser;
 use dual_paraboloid::compare::baselines::{Lookup, Method};
+use dual_paraboloid::compare::error_figures::SAMPLES;
+use dual_paraboloid::compare::scene::STATED_SIZE;
 use glam::Vec3;
+use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -26,23 +29,22 @@ pub struct Arguments {
     /// Texels of a map in all, the same for every method, in place of --resolution
     #[arg(long, value_name = "N", conflicts_with = "resolution", value_parser = clap::value_parser!(u64).range(1..))]
     pub texels: Option<u64>,
-    /// Methods, separated by commas: paraboloid, vertex-warp, cube, cube-plane, cube-unculled, cube-routed,
-    /// cube-multiview, depth-view
+    /// Methods, separated by commas: paraboloid, vertex-warp, cube, cube-plane, cube-unculled, cube-16,
+    /// cube-routed, cube-multiview, depth-view
     #[arg(long = "method", value_name = "METHOD", value_delimiter = ',', default_value = "paraboloid")]
     pub methods: Vec<Entry>,
-    /// How far depth may be off for `paraboloid`, in texel footprints along the normal, 0.01 to 1. Without it, the
-    /// library's default
-    #[arg(long, value_name = "T", allow_hyphen_values = true)]
-    pub tolerance: Option<f32>,
     /// How the lookup of `paraboloid` softens shadows
     #[arg(long, value_enum, default_value_t = FilterName::Bilinear)]
     pub filter: FilterName,
     /// Radius of the light in world units, for --filter soft. Without it, half a hundredth of its range
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
     pub light_radius: Option<f32>,
-    /// Points of the scene to ask for their shadow
-    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Points of the scene to ask for their shadow, beside those that graze
+    #[arg(long, value_name = "N", default_value_t = SAMPLES as u32, value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: u32,
+    /// Pixels of the view that errors at pixels are of
+    #[arg(long, value_name = "WxH", value_parser = size, default_value_t = Size(STATED_SIZE))]
+    pub size: Size,
     /// Number that the points are drawn with
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
@@ -99,6 +101,23 @@ impl FromStr for Entry {
         let method: Method = name.parse().map_err(|error| format!("{error}, cube-plane"))?;
         Ok(Self { method, lookup: method.lookups().first().copied() })
     }
+}
+
+/// Width and height in pixels.
+#[derive(Debug, Clone, Copy)]
+pub struct Size(pub [u32; 2]);
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let [width, height] = self.0;
+        write!(f, "{width}x{height}")
+    }
+}
+
+fn size(text: &str) -> Result<Size, String> {
+    let pixels = |text: &str| text.parse::<u32>().ok().filter(|pixels| (1..=4096).contains(pixels));
+    let parsed = text.split_once('x').and_then(|(width, height)| Some([pixels(width)?, pixels(height)?]));
+    parsed.map(Size).ok_or_else(|| format!("{text:?} is not like 1920x1080, with 1 to 4096 pixels each way"))
 }
 
 fn point(text: &str) -> Result<Vec3, String> {

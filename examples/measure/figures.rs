@@ -1,13 +1,14 @@
 //! All figures of all methods.
 
 use crate::arguments::{Arguments, Entry};
-use anyhow::{anyhow, ensure};
+use anyhow::{anyhow, bail};
 use dual_paraboloid::compare::area_light::{SoftError, shares_of_sphere, soft_error};
 use dual_paraboloid::compare::baselines::{Baseline, DeviceScene, Lookup};
+use dual_paraboloid::compare::error_figures::{CreaseError, Receiver};
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::measure::{Judge, Judged};
+use dual_paraboloid::compare::measure::{Judge, Judged, PixelError, Pixels};
 use dual_paraboloid::compare::timing::{Rounds, Summary, Timer};
-use dual_paraboloid::{Filter, PointLight, PointShadowsDescriptor};
+use dual_paraboloid::{Filter, PointLight};
 use indicatif::ProgressBar;
 
 /// Rounds that don't count, before the measured ones.
@@ -22,9 +23,24 @@ pub struct Measured {
     pub resolution: u32,
     pub baseline: Baseline,
     pub judged: Option<Judged>,
+    /// In lit creases, if the scene has any.
+    pub crease: Option<CreaseError>,
+    /// At the camera's pixels, if any shows a lit side.
+    pub pixels: Option<PixelError>,
+    /// Beside the frozen yardstick; the paraboloid's alone.
+    pub votes: Option<Votes>,
     /// Against a ray-traced sphere of light, where that is what the lookup means to show.
     pub soft: Option<SoftError>,
     pub time: Option<Summary>,
+}
+
+/// What [`VotesV1`](dual_paraboloid::compare::votes_v1::VotesV1) decides on the ray-cast map.
+#[derive(Clone, Copy)]
+pub struct Votes {
+    /// Its wrong decisions.
+    pub wrong_ppm: f64,
+    /// Where it and the method decide differently.
+    pub disagree_ppm: f64,
 }
 
 /// Maps of all methods, without figures yet.
@@ -34,11 +50,22 @@ pub fn prepare(gpu: &Gpu, arguments: &Arguments) -> anyhow::Result<Vec<Measured>
         .iter()
         .map(|&entry| {
             let name = entry.name();
-            ensure!(entry.method.is_available(gpu), "{name} can't be made, or not right, on {}", gpu.name());
+            if let Some(reason) = entry.method.left_out(gpu) {
+                bail!("{name} is left out: {reason}");
+            }
             let resolution = entry.side(arguments);
-            let tolerance = arguments.tolerance.unwrap_or(0.1);
-            let baseline = Baseline::with_tolerance(&gpu.device, entry.method, resolution, tolerance)?;
-            Ok(Measured { entry, resolution, baseline, judged: None, soft: None, time: None })
+            let baseline = Baseline::new(&gpu.device, entry.method, resolution)?;
+            Ok(Measured {
+                entry,
+                resolution,
+                baseline,
+                judged: None,
+                crease: None,
+                pixels: None,
+                votes: None,
+                soft: None,
+                time: None,
+            })
         })
         .collect()
 }
@@ -46,6 +73,7 @@ pub fn prepare(gpu: &Gpu, arguments: &Arguments) -> anyhow::Result<Vec<Measured>
 /// Judges each method's shadows. A step of the bar for each.
 pub fn find_errors(
     judge: &mut Judge,
+    pixels: &Pixels,
     measured: &mut [Measured],
     scene: &mut DeviceScene,
     bar: &ProgressBar,
@@ -54,21 +82,42 @@ pub fn find_errors(
         bar.set_message(format!("errors of {}", one.entry.name()));
         if let Some(lookup) = one.entry.judged() {
             one.judged = judge.judge(&mut one.baseline, lookup, scene)?;
-            one.soft = find_soft_error(judge, &one.baseline, lookup);
+            find_more(judge, pixels, one, lookup);
         }
         bar.inc(1);
     }
     Ok(())
 }
 
-/// Errors against the sphere, at the first [`SOFT_SAMPLES`] receivers.
+/// The errors in creases, at pixels and beside the yardstick, with the map and the bias that were judged.
+fn find_more(judge: &Judge, pixels: &Pixels, one: &mut Measured, lookup: Lookup) {
+    let (gpu, truth) = (judge.gpu(), judge.truth());
+    if let Some(values) = one.baseline.shadow_values(gpu, lookup, &truth.inputs()) {
+        one.crease = truth.crease_error(&values);
+        one.votes = one.judged.as_ref().and_then(|judged| judged.ideal.as_ref()).map(|(map, _)| {
+            let votes = truth.votes_v1(map);
+            Votes { wrong_ppm: truth.wrong_ppm(&votes), disagree_ppm: truth.disagree_ppm(&values, &votes) }
+        });
+    }
+    let inputs = pixels.inputs();
+    // A buffer can't be empty.
+    if !inputs.is_empty() {
+        let values = one.baseline.shadow_values(gpu, lookup, &inputs);
+        one.pixels = values.and_then(|values| pixels.judge(&values));
+    }
+    one.soft = find_soft_error(judge, &one.baseline, lookup);
+}
+
+/// Errors against the sphere, at the first [`SOFT_SAMPLES`] receivers that count.
 fn find_soft_error(judge: &Judge, baseline: &Baseline, lookup: Lookup) -> Option<SoftError> {
     let (Filter::Soft { light_radius, .. }, Lookup::Filtered) = (judge.light().filter, lookup) else { return None };
     let truth = judge.truth();
-    let receivers = &truth.receivers[..truth.receivers.len().min(SOFT_SAMPLES)];
-    let values = baseline.shadow_values(judge.gpu(), lookup, &truth.inputs()[..receivers.len()])?;
+    let counted = truth.receivers.iter().filter(|receiver| receiver.counts(truth.view.position));
+    let receivers: Vec<Receiver> = counted.take(SOFT_SAMPLES).copied().collect();
+    let inputs: Vec<_> = receivers.iter().map(|receiver| (receiver.position, receiver.normal)).collect();
+    let values = baseline.shadow_values(judge.gpu(), lookup, &inputs)?;
     let radius = f64::from(light_radius);
-    Some(soft_error(&values, &shares_of_sphere(receivers, &truth.reference, &truth.view, radius, SOFT_RAYS)))
+    Some(soft_error(&values, &shares_of_sphere(&receivers, &truth.reference, &truth.view, radius, SOFT_RAYS)))
 }
 
 /// Times all methods that have a time, interleaved. A step of the bar for each map made.

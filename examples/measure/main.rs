@@ -15,7 +15,7 @@ use arguments::Arguments;
 use clap::Parser;
 use dual_paraboloid::compare::baselines::{DeviceScene, Method};
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::measure::{Judge, Truth, choose_light, find_scene};
+use dual_paraboloid::compare::measure::{Judge, Pixels, Truth, choose_camera, choose_light, find_scene};
 use dual_paraboloid::compare::text::{grouped, one_line};
 use dual_paraboloid::compare::timing::Timer;
 use dual_paraboloid::{PointLight, Sides};
@@ -49,32 +49,40 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     )?;
     let most = gpu.most_receivers();
     ensure!(u64::from(arguments.samples) <= most, "--samples can be {most} at most on {}", gpu.name());
+    let [width, height] = arguments.size.0;
+    ensure!(u64::from(width) * u64::from(height) <= most, "--size can have {most} pixels at most on {}", gpu.name());
     if let Some(folder) = &arguments.pictures {
         std::fs::create_dir_all(folder)
             .map_err(|error| anyhow!("can't make the folder {}: {error}", folder.display()))?;
     }
     let timer = Timer::new(&gpu);
+    let camera = choose_camera(&scene, &light, choice);
     let at = light.position;
     println!("adapter    {} (times: {})", gpu.name(), timer.clock());
     println!("scene      {}: {} triangles", scene.name, grouped(scene.triangle_count()));
     println!("light      at {},{},{}, range {:.4}, near {:.3e} ({choice})", at.x, at.y, at.z, light.range, light.near);
+    println!("camera     at {}, to {}, {width} x {height}", camera.eye, camera.target);
     println!("filter     {:?}", light.filter);
 
     let mut measured = figures::prepare(&gpu, arguments)?;
     let mut casters = DeviceScene::new(&gpu, &scene, Sides::Auto)?;
-    let bar = progress(1 + measured.len() + figures::time_steps(arguments));
+    let bar = progress(2 + measured.len() + figures::time_steps(arguments));
     bar.set_message("the truth");
     let truth = Truth::new(&scene, &light, arguments.samples as usize, arguments.seed);
     ensure!(
-        !truth.receivers.is_empty(),
-        "the light at {},{},{} reaches no surface of {}",
+        truth.receivers.iter().any(|receiver| receiver.counts(truth.view.position)),
+        "the light at {},{},{} reaches no surface of {} that faces it",
         at.x,
         at.y,
         at.z,
         scene.name
     );
+    let points = truth.receivers.len();
+    ensure!(points as u64 <= most, "{points} points with those that graze, {most} at most on {}", gpu.name());
     bar.inc(1);
-    figures::find_errors(&mut Judge::new(&gpu, light, &truth), &mut measured, &mut casters, &bar)?;
+    let pixels = Pixels::new(&truth, &scene, &camera, width, height);
+    bar.inc(1);
+    figures::find_errors(&mut Judge::new(&gpu, light, &truth), &pixels, &mut measured, &mut casters, &bar)?;
     figures::find_times(&timer, &gpu, &mut measured, &mut casters, &light, arguments.runs as usize, &bar)?;
     bar.finish_and_clear();
 
@@ -86,12 +94,11 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
             triangles: scene.triangle_count(),
             adapter: gpu.name(),
             runs: arguments.runs,
-            tolerance: arguments.tolerance,
         };
         report::write_json(path, &common, &measured)?;
     }
     if let Some(folder) = &arguments.pictures {
-        pictures::write_all(folder, &gpu, &scene, &truth, &measured)?;
+        pictures::write_all(folder, &gpu, &scene, &camera, &truth, &measured)?;
     }
     Ok(())
 }

@@ -6,9 +6,9 @@ use anyhow::anyhow;
 use dual_paraboloid::compare::error_figures::{Receiver, TexelVerdict, judge_texels, truth as ask_truth};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Judged, Truth};
-use dual_paraboloid::compare::scene::Scene;
+use dual_paraboloid::compare::scene::{Camera, Scene};
 use dual_paraboloid::compare::shot::Shot;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use image::{GenericImage, Rgb, RgbImage};
 use std::path::Path;
 
@@ -29,8 +29,15 @@ const LIT: [f64; 3] = [225.0, 222.0, 215.0];
 const DARK: [f64; 3] = [80.0, 80.0, 84.0];
 
 /// Writes `map.png` where there is a pair of ours, and `screen-METHOD.png` for each method that has a lookup.
-pub fn write_all(folder: &Path, gpu: &Gpu, scene: &Scene, truth: &Truth, measured: &[Measured]) -> anyhow::Result<()> {
-    let view = View::new(scene, truth);
+pub fn write_all(
+    folder: &Path,
+    gpu: &Gpu,
+    scene: &Scene,
+    camera: &Camera,
+    truth: &Truth,
+    measured: &[Measured],
+) -> anyhow::Result<()> {
+    let view = View::new(scene, camera, truth);
     for one in measured {
         if let Some(picture) = one.judged.as_ref().and_then(|judged| map(judged, truth)) {
             write(&folder.join("map.png"), &picture)?;
@@ -65,19 +72,22 @@ fn map(judged: &Judged, truth: &Truth) -> Option<RgbImage> {
     Some(both)
 }
 
-/// What a camera sees of a scene within the light's range, and whether it is lit.
+/// What a camera sees of a scene within the light's range, and whether it is lit; what faces away isn't.
 struct View {
     shot: Shot,
+    light: DVec3,
     lit: Vec<bool>,
 }
 
 impl View {
-    fn new(scene: &Scene, truth: &Truth) -> Self {
+    fn new(scene: &Scene, camera: &Camera, truth: &Truth) -> Self {
         let light = truth.view.position;
-        let mut shot = Shot::take(scene, &scene.suggest_camera(light.as_vec3()), WIDTH, HEIGHT);
+        let mut shot = Shot::take(scene, camera, WIDTH, HEIGHT);
         shot.seen.retain(|(_, receiver)| receiver.relative(light).length() <= truth.view.range);
         let receivers: Vec<Receiver> = shot.seen.iter().map(|&(_, receiver)| receiver).collect();
-        Self { lit: ask_truth(&receivers, &truth.reference, &truth.view), shot }
+        let reached = ask_truth(&receivers, &truth.reference, &truth.view);
+        let lit = receivers.iter().zip(reached).map(|(receiver, lit)| lit && receiver.incidence(light) > 0.0).collect();
+        Self { lit, light, shot }
     }
 
     fn inputs(&self) -> Vec<(Vec3, Vec3)> {
@@ -93,8 +103,9 @@ impl View {
             let shade = self.shade(receiver);
             let (x, y) = (*pixel as u32 % WIDTH, *pixel as u32 / WIDTH);
             let truth = if self.lit[index] { LIT } else { DARK };
+            let faces_light = receiver.incidence(self.light) > 0.0;
             let answer = match (values[index] >= 0.5, self.lit[index]) {
-                (true, false) => LEAK,
+                (true, false) if faces_light => LEAK,
                 (false, true) => FALSE_SHADOW,
                 _ => truth.map(|channel| shade * channel),
             };

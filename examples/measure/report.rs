@@ -2,7 +2,6 @@
 
 use crate::figures::Measured;
 use anyhow::anyhow;
-use dual_paraboloid::compare::baselines::Method;
 use dual_paraboloid::compare::text::grouped;
 use dual_paraboloid::compare::timing::{Summary, milliseconds};
 use serde_json::{Value, json};
@@ -15,8 +14,6 @@ pub struct Common {
     pub triangles: usize,
     pub adapter: String,
     pub runs: u32,
-    /// The pair's, if it isn't the default.
-    pub tolerance: Option<f32>,
 }
 
 /// Writes an object for one method, a list for several.
@@ -41,9 +38,6 @@ fn object(common: &Common, one: &Measured) -> Value {
     if let Some(bias) = one.judged.as_ref().and_then(|judged| judged.bias) {
         object["bias"] = json!(bias);
     }
-    if let (Method::Paraboloid, Some(tolerance)) = (one.entry.method, common.tolerance) {
-        object["tolerance"] = json!(tolerance);
-    }
     object
 }
 
@@ -51,6 +45,14 @@ fn shadow(one: &Measured) -> Value {
     let Some(judged) = &one.judged else { return Value::Null };
     let mut shadow = json!(judged.shadow);
     shadow["ideal_wrong_ppm"] = json!(judged.ideal.as_ref().map(|(_, error)| error.wrong_ppm));
+    shadow["ideal_votes_wrong_ppm"] = json!(one.votes.map(|votes| votes.wrong_ppm));
+    shadow["disagree_ppm"] = json!(one.votes.map(|votes| votes.disagree_ppm));
+    shadow["pixels_wrong_ppm"] = json!(one.pixels.map(|pixels| pixels.wrong_ppm));
+    shadow["value_error"] = json!(one.pixels.map(|pixels| pixels.value_error));
+    shadow["value_error_point"] = json!(one.pixels.map(|pixels| pixels.value_error_point));
+    shadow["crease_mean"] = json!(one.crease.map(|crease| crease.mean));
+    shadow["crease_q001"] = json!(one.crease.map(|crease| crease.q001));
+    shadow["crease_below_ppm"] = json!(one.crease.map(|crease| crease.below_ppm));
     shadow["acne_ppm"] = json!(judged.filter.map(|error| error.acne_ppm));
     shadow["underlight_ppm"] = json!(judged.filter.map(|error| error.underlight_ppm));
     if let Some(soft) = one.soft {
@@ -81,7 +83,7 @@ pub fn print_table(measured: &[Measured]) {
     line("bytes", &|one| Some(grouped(one.baseline.memory() as usize)));
     map_lines(&line);
     shadow_lines(&line);
-    line("bias, world units", &|one| Some(format!("{:.3e}", one.judged.as_ref()?.bias?)));
+    line("bias", &|one| Some(one.judged.as_ref()?.bias?.to_string()));
     line("time, ms: median", &|one| Some(time(one.time?.median)));
     line("  least", &|one| Some(time(one.time?.min)));
     line("  most", &|one| Some(time(one.time?.max)));
@@ -110,6 +112,14 @@ fn shadow_lines(line: Line) {
     line("    leaks", &|one| Some(ppm(shadow(one)?.leak_ppm)));
     line("    false shadows", &|one| Some(ppm(shadow(one)?.false_shadow_ppm)));
     line("    far from a boundary", &|one| Some(ppm(shadow(one)?.far_wrong_ppm)));
+    line("  wrong by energy, ppm", &|one| Some(ppm(shadow(one)?.wrong_energy_ppm)));
+    line("  wrong pixels, ppm", &|one| Some(ppm(one.pixels?.wrong_ppm)));
+    line("  value error: of pixels", &|one| Some(format!("{:.6}", one.pixels?.value_error)));
+    line("    of points", &|one| Some(format!("{:.6}", one.pixels?.value_error_point)));
+    line("  in lit creases: samples", &|one| Some(grouped(one.crease?.samples)));
+    line("    mean", &|one| Some(format!("{:.3}", one.crease?.mean)));
+    line("    0.1 %", &|one| Some(format!("{:.3}", one.crease?.q001)));
+    line("    below 0.9, ppm", &|one| Some(ppm(one.crease?.below_ppm)));
     let filter = |one: &Measured| one.judged.as_ref()?.filter;
     line("    acne", &|one| Some(ppm(filter(one)?.acne_ppm)));
     line("    light in the dark", &|one| Some(ppm(filter(one)?.underlight_ppm)));
@@ -120,7 +130,9 @@ fn shadow_lines(line: Line) {
     line("    most", &|one| Some(format!("{:.4}", one.soft?.worst)));
     line("  ideal map: wrong, ppm", &|one| Some(ppm(ideal(one)?.wrong_ppm)));
     line("    far from a boundary", &|one| Some(ppm(ideal(one)?.far_wrong_ppm)));
-    line("  wrong / ideal", &|one| Some(format!("{:.3}", shadow(one)?.wrong_ppm / ideal(one)?.wrong_ppm)));
+    line("  votes-v1: wrong, ppm", &|one| Some(ppm(one.votes?.wrong_ppm)));
+    line("    wrong / votes-v1", &|one| Some(format!("{:.3}", shadow(one)?.wrong_ppm / one.votes?.wrong_ppm)));
+    line("    decides differently, ppm", &|one| Some(ppm(one.votes?.disagree_ppm)));
 }
 
 fn ppm(value: f64) -> String {

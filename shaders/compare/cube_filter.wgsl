@@ -9,38 +9,33 @@ struct CubeTaps {
     up: vec3<f32>,
 }
 
-fn cube_taps(position: vec3<f32>, normal: vec3<f32>) -> CubeTaps {
-    let moved = cube_moved(position, normal);
+fn cube_taps(x: vec3<f32>, normal: vec3<f32>) -> CubeTaps {
+    let moved = cube_moved(x, cube_turned(normal), cube_light.depth_bias, cube_light.normal_bias);
     let d = normalize(moved);
     let s = select(-1.0, 1.0, d.z >= 0.0);
     let a = -1.0 / (s + d.z);
     let across = vec3<f32>(1.0 + s * d.x * d.x * a, s * d.x * d.y * a, -s * d.x);
     let up = vec3<f32>(d.x * d.y * a, s + d.y * d.y * a, -d.y);
-    return CubeTaps(moved, cube_light.near / cube_axis_distance(moved), across, up);
-}
-
-fn cube_is_out_of_range(position: vec3<f32>) -> bool {
-    let from_light = position - cube_light.position;
-    return dot(from_light, from_light) > cube_light.range * cube_light.range;
+    return CubeTaps(moved, cube_depth(cube_axis_distance(moved)), across, up);
 }
 
 // The mean of `2 reach + 1` comparisons each way, a texel apart.
 fn cube_shadow_square(position: vec3<f32>, normal: vec3<f32>, reach: i32) -> f32 {
-    if cube_is_out_of_range(position) {
+    let x = cube_turned(position - cube_light.position);
+    if cube_is_out_of_range(x) {
         return 1.0;
     }
-    let moved = cube_moved(position, normal);
+    let moved = cube_moved(x, cube_turned(normal), cube_light.depth_bias, cube_light.normal_bias);
     let distance = cube_axis_distance(moved);
-    let depth = cube_light.near / distance;
+    let depth = cube_depth(distance);
     let face = cube_face(moved);
     let step = cube_light.texel * distance;
     let right = step * cube_to_face(vec3<f32>(1.0, 0.0, 0.0), face);
     let up = step * cube_to_face(vec3<f32>(0.0, 1.0, 0.0), face);
     var sum = 0.0;
-    for (var y = -reach; y <= reach; y++) {
-        for (var x = -reach; x <= reach; x++) {
-            let direction = moved + f32(x) * right + f32(y) * up;
-            sum += textureSampleCompareLevel(cube_map, cube_comparison, direction, depth);
+    for (var row = -reach; row <= reach; row++) {
+        for (var column = -reach; column <= reach; column++) {
+            sum += cube_compared(moved + f32(column) * right + f32(row) * up, depth);
         }
     }
     let side = f32(2 * reach + 1);
@@ -57,31 +52,33 @@ fn cube_spiral(taps: CubeTaps, tap: u32, count: u32, radius: f32, noise: f32) ->
 fn cube_disc(taps: CubeTaps, radius: f32, count: u32, noise: f32) -> f32 {
     var sum = 0.0;
     for (var i = 0u; i < count; i++) {
-        let direction = cube_spiral(taps, i, count, radius, noise);
-        sum += textureSampleCompareLevel(cube_map, cube_comparison, direction, taps.depth);
+        sum += cube_compared(cube_spiral(taps, i, count, radius, noise), taps.depth);
     }
     return sum / f32(count);
 }
 
 // The mean of `count` comparisons over a disc of `radius` radians.
 fn cube_shadow_disc(position: vec3<f32>, normal: vec3<f32>, radius: f32, count: u32, noise: f32) -> f32 {
-    if cube_is_out_of_range(position) {
+    let x = cube_turned(position - cube_light.position);
+    if cube_is_out_of_range(x) {
         return 1.0;
     }
-    return cube_disc(cube_taps(position, normal), radius, count, noise);
+    return cube_disc(cube_taps(x, normal), radius, count, noise);
 }
 
 // Percentage-closer soft shadows: `count` texels for the mean blocker, as many comparisons over its penumbra.
 fn cube_shadow_soft(position: vec3<f32>, normal: vec3<f32>, light_radius: f32, count: u32, noise: f32) -> f32 {
-    if cube_is_out_of_range(position) {
+    let x = cube_turned(position - cube_light.position);
+    if cube_is_out_of_range(x) {
         return 1.0;
     }
-    let taps = cube_taps(position, normal);
+    let taps = cube_taps(x, normal);
     let size = light_radius / length(taps.moved);
     var depths = 0.0;
     var found = 0.0;
     for (var i = 0u; i < count; i++) {
-        let stored = textureSampleLevel(cube_map, cube_sampler, cube_spiral(taps, i, count, 4.0 * size, noise), 0u);
+        let direction = cube_direction(cube_spiral(taps, i, count, 4.0 * size, noise));
+        let stored = textureSampleLevel(cube_map, cube_sampler, direction, 0u);
         depths += select(0.0, stored, stored > taps.depth);
         found += select(0.0, 1.0, stored > taps.depth);
     }

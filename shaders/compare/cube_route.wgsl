@@ -3,18 +3,22 @@
 
 // Twin of `RouteView` in src/compare/baselines/cube_routed.rs.
 struct CubeView {
-    position: vec3<f32>,
+    // Rows of the rotation from world to light space.
+    right: vec3<f32>,
     near: f32,
+    up: vec3<f32>,
     range: f32,
+    forward: vec3<f32>,
+    // Half a face's width at distance 1 along its axis.
+    half_width: f32,
+    position: vec3<f32>,
     // Texels across a face.
     resolution: f32,
     first_chunk: u32,
     end_chunk: u32,
     // Triangles that a face's part of the lists has room for.
     list_capacity: u32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
+    padding: u32,
 }
 
 // Arguments of a face's indirect draw, and its counter.
@@ -73,7 +77,17 @@ fn cube_route(
     }
 }
 
-// A vector of world space by a face's axes: right, up, forward.
+// A vector of world space in light space.
+fn to_light(v: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(dot(view.right, v), dot(view.up, v), dot(view.forward, v));
+}
+
+// Half the extent in light space of a box with half the extent `v` in the world.
+fn extent_to_light(v: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(dot(abs(view.right), v), dot(abs(view.up), v), dot(abs(view.forward), v));
+}
+
+// A vector of light space by a face's axes: right, up, forward.
 fn to_face(v: vec3<f32>, face: u32) -> vec3<f32> {
     let s = select(1.0, -1.0, (face & 1u) != 0u);
     if face < 2u {
@@ -96,15 +110,17 @@ fn faces_of(chunk: u32) -> u32 {
     if dot(nearest, nearest) > view.range * view.range {
         return 0u;
     }
+    let box_centre = to_light(0.5 * (low + high));
+    let box_extent = extent_to_light(0.5 * (high - low));
+    let slack = 1e-5 * (length(box_centre) + length(box_extent));
     var faces = 0u;
     for (var face = 0u; face < 6u; face += 1u) {
-        let centre = to_face(0.5 * (low + high), face);
-        let extent = abs(to_face(0.5 * (high - low), face));
-        let slack = 1e-5 * (abs(centre) + extent);
+        let centre = to_face(box_centre, face);
+        let extent = abs(to_face(box_extent, face));
         // How far the box reaches, and how far a border is from the axis at that depth at most.
-        let depth = centre.z + extent.z + slack.z;
-        let aside = abs(centre.xy) - extent.xy - slack.xy;
-        let seen = depth >= view.near && max(aside.x, aside.y) <= depth;
+        let depth = centre.z + extent.z + slack;
+        let aside = abs(centre.xy) - extent.xy - slack;
+        let seen = depth >= view.near && max(aside.x, aside.y) <= view.half_width * depth;
         faces |= select(0u, 1u << face, seen);
     }
     return faces;
@@ -129,8 +145,8 @@ fn route_chunk(chunk: u32, face: u32, thread: u32) {
     }
     for (var v = thread; v < vertex_count(source); v += THREADS) {
         let vertex = vertices[source.vertex + v];
-        let x = to_face(vertex.position - view.position, face);
-        corners[v] = (x.xy / x.z + 1.0) * (0.5 * view.resolution) - 0.5;
+        let x = to_face(to_light(vertex.position - view.position), face);
+        corners[v] = (x.xy / (view.half_width * x.z) + 1.0) * (0.5 * view.resolution) - 0.5;
         outcodes[v] = outcode(x) | select(0u, ALL_AWAY, all_face_away(vertex, view.position));
     }
     workgroupBarrier();
@@ -168,10 +184,11 @@ fn route_chunk(chunk: u32, face: u32, thread: u32) {
 
 // `x` by a face's axes.
 fn outcode(x: vec3<f32>) -> u32 {
-    return select(0u, OUT_RIGHT, x.x > x.z)
-        | select(0u, OUT_LEFT, x.x < -x.z)
-        | select(0u, OUT_TOP, x.y > x.z)
-        | select(0u, OUT_BOTTOM, x.y < -x.z)
+    let border = view.half_width * x.z;
+    return select(0u, OUT_RIGHT, x.x > border)
+        | select(0u, OUT_LEFT, x.x < -border)
+        | select(0u, OUT_TOP, x.y > border)
+        | select(0u, OUT_BOTTOM, x.y < -border)
         | select(0u, OUT_NEAR, x.z < view.near);
 }
 

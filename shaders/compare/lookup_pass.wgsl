@@ -1,7 +1,23 @@
-// A pass over the whole screen that asks a lookup at recorded positions and normals, as deferred renderers do.
+// A pass over the whole screen that asks a lookup at recorded positions and normals, as deferred renderers do: in
+// compute, or by a triangle around the screen.
 
 @group(1) @binding(0) var positions: texture_2d<f32>;
 @group(1) @binding(1) var normals: texture_2d<f32>;
+// Of the compute pass alone.
+@group(1) @binding(2) var answers: texture_storage_2d<r32float, write>;
+
+fn answer(pixel: vec2<i32>) -> f32 {
+    let position = textureLoad(positions, pixel, 0).xyz;
+    let normal = textureLoad(normals, pixel, 0).xyz;
+    return EXPRESSION;
+}
+
+@compute @workgroup_size(8, 8)
+fn light_pixels(@builtin(global_invocation_id) id: vec3<u32>) {
+    if all(id.xy < textureDimensions(answers)) {
+        textureStore(answers, id.xy, vec4<f32>(answer(vec2<i32>(id.xy))));
+    }
+}
 
 // One triangle around the screen.
 @vertex
@@ -12,8 +28,5 @@ fn screen(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
 
 @fragment
 fn shade(@builtin(position) at: vec4<f32>) -> @location(0) f32 {
-    let pixel = vec2<i32>(at.xy);
-    let position = textureLoad(positions, pixel, 0).xyz;
-    let normal = textureLoad(normals, pixel, 0).xyz;
-    return EXPRESSION;
+    return answer(vec2<i32>(at.xy));
 }

@@ -1,7 +1,7 @@
 //! Other ways to make a point light's shadow map, to measure this library against.
 //!
-//! All draw to `Depth32Float`, reversed and cleared to 0, from the same casters, and record everything from scratch
-//! each time. Those that draw as engines do take meshes in their own space and a transform for each instance.
+//! All draw to reversed depth, cleared to 0 and of four bytes but for [`Method::Cube16`], from the same casters, and
+//! record everything from scratch each time. Those that draw as engines do take meshes in their own space and a transform for each instance.
 
 mod cube;
 mod cube_lookup;
@@ -17,9 +17,10 @@ mod scene_buffers;
 mod vertex_warp;
 
 pub use cube::{Cube, CubeMultiview, Culling};
+pub use cube_map::CubeDepth;
 pub use cube_routed::CubeRouted;
 pub use depth_view::DepthView;
-pub use lookup::{ConstantBias, Lookup};
+pub use lookup::{Bias, Lookup};
 pub use method::{Budget, Method, UnknownMethod};
 pub use scene_buffers::SceneBuffers;
 pub use vertex_warp::VertexWarp;
@@ -30,6 +31,7 @@ use super::scene::Scene;
 use crate::{Casters, Error, PointLight, PointShadows, Sides, Stage};
 use glam::Vec3;
 use instanced::PassKind;
+use method::{NO_CUBE_COMPUTE, NO_MULTIVIEW};
 use pair::Pair;
 
 /// A scene's casters in both forms that the methods draw from.
@@ -58,11 +60,13 @@ impl DeviceScene {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BaselineError {
-    /// The device can't do it.
-    #[error("{method} needs a device with multiview over six layers, requested with wgpu::Features::MULTIVIEW")]
+    /// The device can't do it, or nothing can yet.
+    #[error("{method} is left out: {reason}")]
     Unsupported {
         /// What was asked for.
         method: Method,
+        /// What is missing.
+        reason: &'static str,
     },
     /// The map would be wider than the device's largest texture, or nothing.
     #[error("the resolution of {method} is {resolution}: it must be 1 to {most}")]
@@ -84,7 +88,6 @@ pub enum BaselineError {
 pub struct Baseline {
     method: Method,
     kind: Kind,
-    bias: ConstantBias,
 }
 
 #[derive(Debug)]
@@ -103,25 +106,12 @@ impl Baseline {
     /// # Errors
     /// [`BaselineError`], for a resolution or a method that the device doesn't allow.
     pub fn new(device: &wgpu::Device, method: Method, resolution: u32) -> Result<Self, BaselineError> {
-        Self::with_tolerance(device, method, resolution, 0.0)
-    }
-
-    /// [`Self::new`] with a [tolerance](PointShadowsDescriptor::tolerance), which only [`Method::Paraboloid`] heeds.
-    ///
-    /// # Errors
-    /// [`BaselineError`], for a resolution, a method or a tolerance that isn't allowed.
-    pub fn with_tolerance(
-        device: &wgpu::Device,
-        method: Method,
-        resolution: u32,
-        tolerance: f32,
-    ) -> Result<Self, BaselineError> {
         let across = if method.is_cube() { 1 } else { 2 };
         let most = device.limits().max_texture_dimension_2d / across;
         if !(1..=most).contains(&resolution) {
             return Err(BaselineError::Resolution { method, resolution, most });
         }
-        Ok(Self { method, kind: Kind::new(device, method, resolution, tolerance)?, bias: ConstantBias::default() })
+        Ok(Self { method, kind: Kind::new(device, method, resolution)? })
     }
 
     /// Which method it is.
@@ -130,9 +120,24 @@ impl Baseline {
         self.method
     }
 
-    /// Sets the bias of the lookups that have one, from the next recording on.
-    pub fn set_bias(&mut self, bias: ConstantBias) {
-        self.bias = bias;
+    /// Gives a lookup another bias, if it is one of this method's and has any, from the next submission on. The map
+    /// stays as it is.
+    pub fn set_bias(&mut self, queue: &wgpu::Queue, lookup: Lookup, bias: Bias) {
+        match &mut self.kind {
+            Kind::VertexWarp(warp) if lookup == Lookup::VertexWarp => warp.set_bias(queue, bias),
+            Kind::Cube(cube) => cube.lookup_mut().set_bias(queue, lookup, bias),
+            Kind::CubeRouted(cube) => cube.lookup_mut().set_bias(queue, lookup, bias),
+            Kind::CubeMultiview(cube) => cube.lookup_mut().set_bias(queue, lookup, bias),
+            Kind::Pair(_) | Kind::VertexWarp(_) | Kind::DepthView(_) => {}
+        }
+    }
+
+    /// Says that no surface is nearer to the light than `nearest`, in world units, from the next recording on:
+    /// [`Method::Cube16`] puts its near plane there. The other methods don't need to know.
+    pub fn set_nearest(&mut self, nearest: f32) {
+        if let Kind::Cube(cube) = &mut self.kind {
+            cube.set_nearest(nearest);
+        }
     }
 
     /// Records the whole map anew, whatever it holds already.
@@ -148,13 +153,13 @@ impl Baseline {
         light: &PointLight,
     ) -> Result<(), Error> {
         light.validate()?;
-        let (instanced, bias) = (&scene.instanced, self.bias);
+        let instanced = &scene.instanced;
         match &mut self.kind {
             Kind::Pair(pair) => pair.record(device, queue, encoder, &mut scene.chunked, light)?,
-            Kind::VertexWarp(warp) => warp.record(device, queue, encoder, instanced, light, bias),
-            Kind::Cube(cube) => cube.record(device, queue, encoder, instanced, light, bias),
-            Kind::CubeRouted(cube) => cube.record(device, queue, encoder, &mut scene.chunked, light, bias),
-            Kind::CubeMultiview(cube) => cube.record(device, queue, encoder, instanced, light, bias),
+            Kind::VertexWarp(warp) => warp.record(device, queue, encoder, instanced, light),
+            Kind::Cube(cube) => cube.record(device, queue, encoder, instanced, light),
+            Kind::CubeRouted(cube) => cube.record(device, queue, encoder, &mut scene.chunked, light),
+            Kind::CubeMultiview(cube) => cube.record(device, queue, encoder, instanced, light),
             Kind::DepthView(view) => view.record(device, queue, encoder, instanced),
         }
         Ok(())
@@ -180,18 +185,42 @@ impl Baseline {
         u64::from(map.width()) * u64::from(map.height()) * u64::from(map.depth_or_array_layers())
     }
 
-    /// Bytes on the GPU: the map, and what recording it takes beside the scene.
+    /// Bytes of the maps of one light: what each further light costs.
+    #[must_use]
+    pub fn bytes_per_light(&self) -> u64 {
+        self.method.bytes_per_texel() * self.texels()
+    }
+
+    /// Bytes of the scene that only this method needs, however many lights there are: for methods that read [`Casters`]
+    /// the casters' copies in world space, their chunks and masks. The meshes and transforms that a renderer has anyway,
+    /// [`SceneBuffers`], don't count.
+    #[must_use]
+    pub fn bytes_scene(&self, scene: &DeviceScene) -> u64 {
+        match &self.kind {
+            Kind::Pair(_) | Kind::CubeRouted(_) => scene.chunked.memory(),
+            Kind::VertexWarp(_) | Kind::Cube(_) | Kind::CubeMultiview(_) | Kind::DepthView(_) => 0,
+        }
+    }
+
+    /// Bytes that lights share by taking turns: what recording takes beside the maps and the scene, such as lists of
+    /// visible instances or triangles, and the lookup's description of the light. As large as the recordings so far
+    /// made it.
+    #[must_use]
+    pub fn bytes_workspace(&self) -> u64 {
+        match &self.kind {
+            Kind::Pair(pair) => pair.shadows().memory() - self.bytes_per_light(),
+            Kind::VertexWarp(warp) => warp.working_memory(),
+            Kind::Cube(cube) => cube.working_memory(),
+            Kind::CubeRouted(cube) => cube.working_memory(),
+            Kind::CubeMultiview(cube) => cube.working_memory(),
+            Kind::DepthView(view) => view.working_memory(),
+        }
+    }
+
+    /// [`Self::bytes_per_light`] and [`Self::bytes_workspace`].
     #[must_use]
     pub fn memory(&self) -> u64 {
-        let map = 4 * self.texels();
-        match &self.kind {
-            Kind::Pair(pair) => pair.shadows().memory(),
-            Kind::VertexWarp(warp) => map + warp.working_memory(),
-            Kind::Cube(cube) => map + cube.working_memory(),
-            Kind::CubeRouted(cube) => map + cube.working_memory(),
-            Kind::CubeMultiview(cube) => map + cube.working_memory(),
-            Kind::DepthView(view) => map + view.working_memory(),
-        }
+        self.bytes_per_light() + self.bytes_workspace()
     }
 
     /// The library's own shadows, if this is [`Method::Paraboloid`].
@@ -204,9 +233,9 @@ impl Baseline {
     }
 
     /// Records the library's stages up to this one only, if this is [`Method::Paraboloid`]; else does nothing.
-    pub fn stop_after(&mut self, stage: Stage) {
+    pub fn stop_after(&mut self, gpu: &Gpu, stage: Stage) {
         if let Kind::Pair(pair) = &mut self.kind {
-            pair.stop_after(stage);
+            pair.stop_after(gpu, stage);
         }
     }
 
@@ -248,16 +277,20 @@ impl Baseline {
 }
 
 impl Kind {
-    fn new(device: &wgpu::Device, method: Method, resolution: u32, tolerance: f32) -> Result<Self, BaselineError> {
+    fn new(device: &wgpu::Device, method: Method, resolution: u32) -> Result<Self, BaselineError> {
+        let unsupported = |reason| BaselineError::Unsupported { method, reason };
+        let cube = |culling, depth| Self::Cube(Cube::new(device, resolution, culling, depth));
         Ok(match method {
             Method::Paraboloid => Self::Pair(Box::new(Pair::new(device, resolution)?)),
             Method::VertexWarp => Self::VertexWarp(VertexWarp::new(device, resolution)),
-            Method::Cube => Self::Cube(Cube::new(device, resolution, Culling::Frustum)),
-            Method::CubeUnculled => Self::Cube(Cube::new(device, resolution, Culling::None)),
+            Method::Cube => cube(Culling::Frustum, CubeDepth::Float32),
+            Method::CubeUnculled => cube(Culling::None, CubeDepth::Float32),
+            Method::Cube16 => cube(Culling::Frustum, CubeDepth::Unorm16),
             Method::CubeRouted => Self::CubeRouted(CubeRouted::new(device, resolution)),
-            Method::CubeMultiview => Self::CubeMultiview(
-                CubeMultiview::new(device, resolution).ok_or(BaselineError::Unsupported { method })?,
-            ),
+            Method::CubeMultiview => {
+                Self::CubeMultiview(CubeMultiview::new(device, resolution).ok_or(unsupported(NO_MULTIVIEW))?)
+            }
+            Method::CubeCompute => return Err(unsupported(NO_CUBE_COMPUTE)),
             Method::DepthView => Self::DepthView(DepthView::new(device, resolution)),
         })
     }

@@ -1,24 +1,38 @@
 //! What maps cost and how wrong they are, over methods, resolutions and scenes: the comparison of the benchmark.
 //!
 //! A [`Subject`] is a scene with its light and its truth; [`Subject::costs`] measures all methods of a [`Plan`] at one
-//! resolution. [`Curve`] compares two methods where they are equally wrong, [`Ratios`] over scenes.
+//! resolution of the [ladder](LADDER). [`Curve`] compares two methods where they are equally wrong, [`Ratios`] their
+//! times over scenes, [`ErrorRatios`] their errors.
 
+mod bytes;
 mod curve;
+mod error_ratios;
+mod orientations;
 mod ratios;
+mod scene_costs;
 mod step;
 
-pub use curve::{Curve, EqualError, Point, geometric_mean, pareto_front};
-pub use ratios::{LARGE_SCENE, Ratio, Ratios};
+pub use bytes::{BreakEven, Bytes};
+pub use curve::{Curve, Point, Ratio, Reading, geometric_mean, pareto_front, shown_error};
+pub use error_ratios::{ERROR_FLOOR_PPM, ErrorPair, ErrorRatios, error_ratio};
+pub use orientations::{TurnedErrors, orientations, turned_errors};
+pub use ratios::{RatioSummary, Ratios, SceneRatio};
+pub use scene_costs::{Contestant, Origin, SceneCosts};
 pub use step::{Plan, Subject};
 
 use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-use super::baselines::{Budget, Lookup, Method};
+use super::baselines::{Bias, Budget, Lookup, Method};
+use super::lookup_cost::PassStage;
 use super::timing::{Summary, as_milliseconds, milliseconds};
 use crate::Sides;
 use serde::Serialize;
+
+/// Texels across each map of the pair at which curves are measured, all methods alike; cubes have as many texels in
+/// all.
+pub const LADDER: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
 
 /// Which sides of all meshes cast, for all methods alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -84,90 +98,149 @@ pub struct Cost {
     pub side: u32,
     /// Texels in all.
     pub texels: u64,
-    /// Bytes on the GPU, see [`Baseline::memory`](super::baselines::Baseline::memory).
-    pub bytes: u64,
-    /// The device's work.
+    /// On the GPU.
+    pub bytes: Bytes,
+    /// The device's work for the map, made anew.
     pub gpu: Summary,
-    /// The host's recording, until the encoder is finished.
+    /// The host's recording of the map, until the encoder is finished.
     pub cpu: Summary,
     /// How often it was measured.
     pub runs: usize,
-    /// The errors of each lookup that reads the map.
-    pub errors: Vec<LookupError>,
+    /// The lookups that read the map.
+    pub lookups: Vec<LookupCost>,
     /// What the library's stages take; its own alone.
     pub stages: Option<Stages>,
 }
 
-/// How wrong a lookup is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct LookupError {
+/// How wrong a lookup is, and what it takes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LookupCost {
     /// The lookup.
     pub lookup: Lookup,
-    /// Wrong answers, in parts per million of the samples.
+    /// Wrong answers, in parts per million, over all orientations of the maps.
     pub wrong_ppm: f64,
-    /// The constant bias that was best, in world units; the vertex warp's alone.
-    pub bias: Option<f32>,
+    /// The same of each orientation.
+    pub wrong_ppm_by_orientation: Vec<f64>,
+    /// Receivers that were asked in each orientation.
+    pub samples: usize,
+    /// The bias that was found best; `None` of lookups whose bias is fixed.
+    pub bias: Option<Bias>,
+    /// One pass over each screen.
+    pub screens: Vec<ScreenTime>,
+}
+
+/// What a pass takes that asks a lookup at each pixel of a screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct ScreenTime {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// In a compute pass.
+    pub compute: Summary,
+    /// In a fragment pass.
+    pub fragment: Summary,
+}
+
+/// What a time is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Timed {
+    /// The map, made anew.
+    Map,
+    /// The map, made anew, and a pass over the screen of this number that looks it up.
+    Lit {
+        /// Number of the screen.
+        screen: usize,
+        /// What kind of pass.
+        stage: PassStage,
+    },
+}
+
+impl Timed {
+    /// What *time* means without further words: map and compute pass over the first screen.
+    pub const HEADLINE: Self = Self::Lit { screen: 0, stage: PassStage::Compute };
+
+    /// All there are with this number of screens, the headline first.
+    #[must_use]
+    pub fn all(screens: usize) -> Vec<Self> {
+        let lit = |stage| (0..screens).map(move |screen| Self::Lit { screen, stage });
+        lit(PassStage::Compute).chain(lit(PassStage::Fragment)).chain([Self::Map]).collect()
+    }
+
+    /// What it is, for reports, with screens of these sizes.
+    #[must_use]
+    pub fn name(self, screens: &[(u32, u32)]) -> String {
+        match self {
+            Self::Map => "map alone".to_owned(),
+            Self::Lit { screen, stage } => {
+                let size = screens.get(screen).map_or_else(String::new, |(width, height)| format!(" {width}x{height}"));
+                format!("map + {}{size}", stage.name())
+            }
+        }
+    }
 }
 
 /// Shares of a recording's time, from the medians of recordings that stop early. Written out in milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Stages {
-    /// Choosing triangles.
-    #[serde(rename = "ms_route", serialize_with = "as_milliseconds")]
-    pub route: Duration,
-    /// Cutting those that would bend.
-    #[serde(rename = "ms_split", serialize_with = "as_milliseconds")]
-    pub split: Duration,
-    /// The render pass.
-    #[serde(rename = "ms_depth", serialize_with = "as_milliseconds")]
-    pub depth: Duration,
+    /// Leaving out, drawing what is small, recording what is large.
+    #[serde(rename = "ms_cull", serialize_with = "as_milliseconds")]
+    pub cull: Duration,
+    /// Numbering texels.
+    #[serde(rename = "ms_number", serialize_with = "as_milliseconds")]
+    pub number: Duration,
+    /// Which tiles large triangles touch.
+    #[serde(rename = "ms_bin", serialize_with = "as_milliseconds")]
+    pub bin: Duration,
+    /// From tiles to maps.
+    #[serde(rename = "ms_rasterise", serialize_with = "as_milliseconds")]
+    pub rasterise: Duration,
+}
+
+impl Stages {
+    /// In their order.
+    #[must_use]
+    pub fn times(&self) -> [Duration; 4] {
+        [self.cull, self.number, self.bin, self.rasterise]
+    }
 }
 
 impl Cost {
-    /// Median of the device's time, in milliseconds.
+    /// Median of the device's time for the map, in milliseconds.
     #[must_use]
     pub fn milliseconds(&self) -> f64 {
         milliseconds(self.gpu.median)
     }
 
+    /// The figures of one of its lookups.
+    #[must_use]
+    pub fn of(&self, lookup: Lookup) -> Option<&LookupCost> {
+        self.lookups.iter().find(|cost| cost.lookup == lookup)
+    }
+
     /// Wrong answers of a lookup, in parts per million.
     #[must_use]
     pub fn wrong_ppm(&self, lookup: Lookup) -> Option<f64> {
-        self.errors.iter().find(|error| error.lookup == lookup).map(|error| error.wrong_ppm)
+        self.of(lookup).map(|cost| cost.wrong_ppm)
+    }
+
+    /// Median time in milliseconds, of map and pass the sum of both medians. `None` if the pass wasn't timed.
+    #[must_use]
+    pub fn time(&self, lookup: Lookup, timed: Timed) -> Option<f64> {
+        let Timed::Lit { screen, stage } = timed else { return Some(self.milliseconds()) };
+        let pass = self.of(lookup)?.screens.get(screen)?.of(stage);
+        Some(self.milliseconds() + milliseconds(pass.median))
     }
 }
 
-/// All figures of one scene under one rule.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SceneCosts {
-    /// The scene's name.
-    pub scene: String,
-    /// Its triangles, instances counted.
-    pub triangles: usize,
-    /// Which sides cast.
-    pub rule: Rule,
-    /// Of all methods and resolutions.
-    pub costs: Vec<Cost>,
-    /// What the device can't do, each with the reason.
-    pub left_out: Vec<String>,
-}
-
-impl SceneCosts {
-    /// A method's figures at one size. The budget matters for cubes alone.
+impl ScreenTime {
+    /// The pass of one kind.
     #[must_use]
-    pub fn find(&self, method: Method, budget: Budget, pair: u32) -> Option<&Cost> {
-        let fits =
-            |cost: &&Cost| cost.method == method && cost.pair == pair && (cost.budget == budget || !method.is_cube());
-        self.costs.iter().find(fits)
-    }
-
-    /// Time in milliseconds and wrong answers in parts per million of a method at all its sizes, the smallest first.
-    #[must_use]
-    pub fn points(&self, method: Method, lookup: Lookup) -> Vec<Point> {
-        let mut of: Vec<&Cost> = self.costs.iter().filter(|cost| cost.method == method).collect();
-        of.sort_by_key(|cost| cost.side);
-        let point = |cost: &Cost| Some(Point { time: cost.milliseconds(), error: cost.wrong_ppm(lookup)? });
-        of.into_iter().filter_map(point).collect()
+    pub fn of(&self, stage: PassStage) -> Summary {
+        match stage {
+            PassStage::Compute => self.compute,
+            PassStage::Fragment => self.fragment,
+        }
     }
 }
 

@@ -110,14 +110,15 @@ impl Gpu {
         self.mapped(&staging, bytemuck::pod_collect_to_vec)
     }
 
-    /// One layer of a texture of four-byte texels, row by row.
+    /// One layer of a texture, row by row.
     ///
     /// # Panics
     /// If the device is lost.
     #[must_use]
     pub fn read_texture<T: Pod>(&self, texture: &wgpu::Texture, layer: u32) -> Vec<T> {
         let (width, height) = (texture.width(), texture.height());
-        let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let texel = texture.format().block_copy_size(None).unwrap_or(4);
+        let row = (texel * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let staging = self.staging(u64::from(row) * u64::from(height));
         self.submit(|encoder| {
             encoder.copy_texture_to_buffer(
@@ -135,7 +136,7 @@ impl Gpu {
             );
         });
         self.mapped(&staging, |bytes| {
-            let rows = bytes.chunks_exact(row as usize).map(|line| &line[..4 * width as usize]);
+            let rows = bytes.chunks_exact(row as usize).map(|line| &line[..(texel * width) as usize]);
             rows.flat_map(bytemuck::pod_collect_to_vec::<u8, T>).collect()
         })
     }
@@ -311,7 +312,7 @@ impl Gpu {
         let (state, items) = shadows.counters();
         let words: Vec<u32> = self.read(state);
         let mut sum = Statistics::default();
-        for item in words.chunks_exact(4).take(items) {
+        for item in words.chunks_exact(8).take(items) {
             sum.large += item[0];
             sum.jobs += item[1];
         }

@@ -117,13 +117,15 @@ pub struct Lookup {
     /// the ray, in texel footprints at the receiver; above 0. Too little shows as acne on curved casters, too much as
     /// peter-panning. The library's is [`BIAS`].
     pub bias: f64,
-    /// How far depth may be off along a surface's normal, in texel footprints: the pair's tolerance. The bias along the
-    /// receiver's normal.
-    pub tolerance: f64,
+    /// Bias along the receiver's normal, in texel footprints. The library's is [`NORMAL_BIAS`].
+    pub normal_bias: f64,
 }
 
-/// The library's depth bias, `DP_BIAS`.
+/// The library's bias along the ray, `DP_BIAS`.
 pub const BIAS: f64 = 0.05;
+
+/// The library's bias along the normal, in `DpLight`.
+pub const NORMAL_BIAS: f64 = crate::shadows::NORMAL_BIAS as f64;
 
 /// Margin beyond the bias with which a texel's content is in the way for certain, `DP_RAMP`; in texel footprints, once
 /// along the ray and once along the normal.
@@ -189,7 +191,7 @@ impl Lookup {
     /// stands before the receiver's plane, along the ray, in texel footprints.
     fn votes(&self, receiver: &Located, margin: f64) -> (f64, f64) {
         let grazing = 1.0 / receiver.incidence().max(1e-3);
-        let bias = self.bias + self.tolerance * grazing;
+        let bias = self.bias + self.normal_bias * grazing;
         // Half along the ray and half along the normal.
         let spread = 1.0 + grazing;
         let before = (1.0 - margin / bias).max(0.0);
@@ -312,7 +314,7 @@ mod tests {
             let floor = sheet(DVec3::new(-1e3, -1.0, -1e3), DVec3::X * 2e3, DVec3::Z * 2e3);
             let reference = Reference::new(&floor, None, DVec3::ZERO);
             let map = ideal_map(&reference, &view, GEOMETRY);
-            let lookup = Lookup { view, geometry: GEOMETRY, bias: 1e-6, tolerance: 0.0 };
+            let lookup = Lookup { view, geometry: GEOMETRY, bias: 1e-6, normal_bias: 0.0 };
             for _ in 0..2000 {
                 let mut d = random_direction(&mut random);
                 d.y = -d.y.abs() - 0.1;
@@ -327,7 +329,7 @@ mod tests {
     #[test]
     fn bias_is_in_texel_footprints_along_the_ray() {
         let geometry = MapGeometry { resolution: 64, guard: 0.0 };
-        let lookup = Lookup { view: view(DVec3::ZERO, DQuat::IDENTITY), geometry, bias: 0.5, tolerance: 0.0 };
+        let lookup = Lookup { view: view(DVec3::ZERO, DQuat::IDENTITY), geometry, bias: 0.5, normal_bias: 0.0 };
         let mut random = Pcg64::seed_from_u64(4);
         for _ in 0..1000 {
             let d = random_direction(&mut random);
@@ -370,7 +372,7 @@ mod tests {
     /// Asks around a texel of the front map, with a surface square to the ray: `stored` gives the depth by the ray's
     /// direction, the dark texel and the one that is read, `expected` the answer by the dark texel's bilinear weight.
     fn for_one_dark_texel(stored: impl Fn(DVec3, usize, usize) -> f64, expected: impl Fn(f64) -> f64) {
-        let lookup = Lookup { view: view(DVec3::ZERO, DQuat::IDENTITY), geometry: GEOMETRY, bias: 0.1, tolerance: 0.0 };
+        let lookup = Lookup { view: view(DVec3::ZERO, DQuat::IDENTITY), geometry: GEOMETRY, bias: 0.1, normal_bias: 0.0 };
         let (i, j) = (40, 70);
         let dark = GEOMETRY.index(false, i, j);
         for (x, y) in [(0.0, 0.0), (0.25, 0.5), (-0.75, 0.1), (0.9, -0.9), (-0.3, -0.4), (1.1, 0.0)] {

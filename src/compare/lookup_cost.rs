@@ -3,6 +3,10 @@
 
 mod pass;
 
+pub use pass::PassStage;
+
+use std::collections::HashMap;
+
 use super::baselines::{Baseline, BaselineError, Budget, DeviceScene, Lookup, Method};
 use super::gpu::Gpu;
 use super::shot::Shot;
@@ -43,36 +47,26 @@ pub enum Question {
 }
 
 impl Question {
-    /// What is measured: all lookups, squares of 1, 4 and 9 texels, and filters.
-    pub const ALL: [Self; 16] = [
-        Self::Nothing,
-        Self::Lookup(Lookup::CubeHardware),
-        Self::Lookup(Lookup::CubePlane),
-        Self::Lookup(Lookup::VertexWarp),
-        Self::Lookup(Lookup::Paraboloid),
-        Self::Texels(1),
-        Self::Texels(2),
-        Self::Texels(3),
-        Self::CubeFilter(Kernel::Square3),
-        Self::Filter(Kernel::Square3),
-        Self::CubeFilter(Kernel::Square5),
-        Self::Filter(Kernel::Square5),
-        Self::CubeFilter(Kernel::Disc),
-        Self::Filter(Kernel::Disc),
-        Self::CubeFilter(Kernel::Soft),
-        Self::Filter(Kernel::Soft),
-    ];
+    /// What is measured: every lookup of every method, squares of 1, 4 and 9 texels, and filters.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        let mut all = vec![Self::Nothing];
+        for lookup in Method::ALL.iter().flat_map(|method| method.lookups()).copied().map(Self::Lookup) {
+            if !all.contains(&lookup) {
+                all.push(lookup);
+            }
+        }
+        all.extend([1, 2, 3].map(Self::Texels));
+        all.extend(Kernel::ALL.into_iter().flat_map(|kernel| [Self::CubeFilter(kernel), Self::Filter(kernel)]));
+        all
+    }
 
     /// The name for reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Nothing => "nothing",
-            Self::Lookup(Lookup::Paraboloid) => "dp_shadow, 2x2 gathered",
-            Self::Lookup(Lookup::Filtered) => "dp_shadow_filtered",
-            Self::Lookup(Lookup::VertexWarp) => "vertex warp, 2x2 by hardware",
-            Self::Lookup(Lookup::CubeHardware) => "cube, 2x2 by hardware",
-            Self::Lookup(Lookup::CubePlane) => "cube, plane bias, 2x2 gathered",
+            Self::Lookup(lookup) => lookup.name(),
             Self::Texels(1) => "dp_shadow, 1 texel",
             Self::Texels(2) => "dp_shadow, 4 texels loaded",
             Self::Texels(_) => "dp_shadow, 9 texels loaded",
@@ -87,13 +81,13 @@ impl Question {
         }
     }
 
-    /// The method whose map it reads.
+    /// The method whose map it reads: the first whose lookup it is.
     fn method(self) -> Method {
+        let reads = |lookup| Method::ALL.into_iter().find(|method| method.is_read_by(lookup));
         match self {
             Self::Nothing | Self::Texels(_) | Self::Filter(_) => Method::Paraboloid,
-            Self::Lookup(Lookup::Paraboloid | Lookup::Filtered) => Method::Paraboloid,
-            Self::Lookup(Lookup::VertexWarp) => Method::VertexWarp,
-            Self::Lookup(Lookup::CubeHardware | Lookup::CubePlane) | Self::CubeFilter(_) => Method::Cube,
+            Self::CubeFilter(_) => Method::Cube,
+            Self::Lookup(lookup) => reads(lookup).unwrap_or(Method::Paraboloid),
         }
     }
 
@@ -101,20 +95,23 @@ impl Question {
     fn text(self) -> (String, &'static str) {
         match self {
             Self::Nothing => (Lookup::Paraboloid.text(0), "dot(position, normal)"),
-            Self::Lookup(lookup) => (lookup.text(0), lookup.expression()),
+            Self::Lookup(lookup) => (lookup.text_unturned(0), lookup.expression()),
             Self::Texels(side) => {
                 let text = TEXELS.replace("TEXELS", &side.to_string());
                 ([Lookup::Paraboloid.text(0), text].concat(), "texels_shadow(0u, position, normal)")
             }
             Self::Filter(kernel) => (Lookup::Filtered.text(0), kernel.expression()),
             Self::CubeFilter(kernel) => {
-                ([&Lookup::CubeHardware.text(0), CUBE_FILTER].concat(), kernel.cube_expression())
+                ([&Lookup::CubeHardware.text_unturned(0), CUBE_FILTER].concat(), kernel.cube_expression())
             }
         }
     }
 }
 
 impl Kernel {
+    /// Every kernel.
+    pub const ALL: [Self; 4] = [Self::Square3, Self::Square5, Self::Disc, Self::Soft];
+
     fn expression(self) -> &'static str {
         match self {
             Self::Square3 => "dp_shadow_pcf3(0u, position, normal, 0.5)",
@@ -141,15 +138,17 @@ pub fn modules() -> Vec<(String, String)> {
         let (text, expression) = question.text();
         (format!("compare_shade_{number}"), pass::module(&text, expression))
     };
-    Question::ALL.into_iter().enumerate().map(module).collect()
+    Question::all().into_iter().enumerate().map(module).collect()
 }
 
-/// What a pass takes, in itself and beside the others.
+/// What a pass takes, in itself and beside the others of its kind.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LookupTime {
     /// What it asks.
     #[serde(serialize_with = "as_name")]
     pub question: Question,
+    /// What kind of pass it is.
+    pub stage: PassStage,
     /// The device's time for one pass.
     pub time: Summary,
     /// Median less that of the pass that asks nothing, in milliseconds.
@@ -166,14 +165,14 @@ fn as_name<S: Serializer>(question: &Question, serializer: S) -> Result<S::Ok, S
     serializer.serialize_str(question.name())
 }
 
-/// Sets the times of [`Question::ALL`] beside each other.
-fn compare(times: &[Summary]) -> Vec<LookupTime> {
+/// Sets the times of all questions, asked by one kind of pass, beside each other.
+fn compare(stage: PassStage, times: &[(Question, Summary)]) -> Vec<LookupTime> {
     let of = |wanted: Question| {
-        let place = Question::ALL.iter().position(|question| *question == wanted);
-        place.and_then(|place| times.get(place)).map_or(0.0, |time| milliseconds(time.median))
+        let found = times.iter().find(|(question, _)| *question == wanted);
+        found.map_or(0.0, |(_, time)| milliseconds(time.median))
     };
     let (nothing, cube) = (of(Question::Nothing), of(Question::Lookup(Lookup::CubeHardware)));
-    let all = Question::ALL.into_iter().zip(times).map(|(question, time)| {
+    let all = times.iter().map(|&(question, time)| {
         let over_nothing = milliseconds(time.median) - nothing;
         let same = match question {
             Question::Filter(kernel) => of(Question::CubeFilter(kernel)),
@@ -181,7 +180,8 @@ fn compare(times: &[Summary]) -> Vec<LookupTime> {
         };
         LookupTime {
             question,
-            time: *time,
+            stage,
+            time,
             ms_over_nothing: over_nothing,
             to_cube: milliseconds(time.median) / cube,
             to_cube_over_nothing: (cube > nothing).then(|| over_nothing / (cube - nothing)),
@@ -191,17 +191,70 @@ fn compare(times: &[Summary]) -> Vec<LookupTime> {
     all.collect()
 }
 
+/// What a camera sees at some sizes of the screen, and passes over it that ask questions of any map.
+#[derive(Debug)]
+pub struct Screens<'a> {
+    gpu: &'a Gpu,
+    screens: Vec<Screen>,
+    /// Those that were needed so far: all maps that a question is put to are bound alike.
+    passes: HashMap<(Question, PassStage), ShadePass>,
+}
+
+impl<'a> Screens<'a> {
+    /// Uploads what was seen, for a light.
+    #[must_use]
+    pub fn new(gpu: &'a Gpu, shots: &[Shot], light: &PointLight) -> Self {
+        let screens = shots.iter().map(|shot| Screen::new(gpu, shot, light)).collect();
+        Self { gpu, screens, passes: HashMap::new() }
+    }
+
+    /// Pixels across and down of each screen.
+    #[must_use]
+    pub fn sizes(&self) -> Vec<(u32, u32)> {
+        self.screens.iter().map(Screen::size).collect()
+    }
+
+    /// Makes the pipeline for a question to maps like this one.
+    pub fn prepare(&mut self, question: Question, stage: PassStage, map: &Baseline) {
+        self.passes.entry((question, stage)).or_insert_with(|| {
+            let (text, expression) = question.text();
+            ShadePass::new(self.gpu, stage, map.bind_group(), &text, expression)
+        });
+    }
+
+    /// Records a pass that puts a question to a map; nothing without a pipeline from [`Self::prepare`].
+    pub fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        screen: usize,
+        question: Question,
+        stage: PassStage,
+        map: &Baseline,
+    ) {
+        if let Some(pass) = self.passes.get(&(question, stage)) {
+            self.screens[screen].record(encoder, pass, map.bind_group());
+        }
+    }
+
+    /// What the last pass over a screen wrote, pixel by pixel.
+    #[must_use]
+    pub fn answers(&self, screen: usize) -> Vec<f32> {
+        self.gpu.read_texture(self.screens[screen].target(), 0)
+    }
+}
+
 /// Recorded maps of a light and what a camera sees of its scene: all that the passes read.
 #[derive(Debug)]
 pub struct LookupBench<'a> {
     gpu: &'a Gpu,
-    screen: Screen,
-    /// Of the pair, the cube and the warped pair.
+    screens: Screens<'a>,
+    /// One of each method that a question reads.
     maps: Vec<Baseline>,
 }
 
 impl<'a> LookupBench<'a> {
-    /// Records the maps, of `pair` texels across each of the pair's, the cube with as many in all.
+    /// Records the maps, of `pair` texels across each of the pair's, cubes with as many in all. They lie along the
+    /// world's axes, as engines' cubes do, whatever the light's orientation.
     ///
     /// # Errors
     /// [`BaselineError`], for a resolution that the device doesn't allow or a scene that it can't hold.
@@ -213,47 +266,52 @@ impl<'a> LookupBench<'a> {
         pair: u32,
     ) -> Result<Self, BaselineError> {
         let mut casters = DeviceScene::new(gpu, scene, Sides::Auto)?;
-        let mut maps = Vec::new();
-        for method in [Method::Paraboloid, Method::Cube, Method::VertexWarp] {
-            let mut map = Baseline::new(&gpu.device, method, method.side(pair, Budget::EqualTexels))?;
-            let mut recorded = Ok(());
-            gpu.submit(|encoder| recorded = map.record(&gpu.device, &gpu.queue, encoder, &mut casters, light));
-            recorded?;
-            maps.push(map);
+        let light = &PointLight { orientation: glam::Quat::IDENTITY, ..*light };
+        let mut bench = Self { gpu, screens: Screens::new(gpu, std::slice::from_ref(shot), light), maps: Vec::new() };
+        for question in Question::all() {
+            let method = question.method();
+            if bench.maps.iter().all(|map| map.method() != method) {
+                let mut map = Baseline::new(&gpu.device, method, method.side(pair, Budget::EqualTexels))?;
+                gpu.submit(|encoder| map.record(&gpu.device, &gpu.queue, encoder, &mut casters, light))?;
+                bench.maps.push(map);
+            }
+            let map = &bench.maps[bench.map_of(question)];
+            PassStage::ALL.into_iter().for_each(|stage| bench.screens.prepare(question, stage, map));
         }
-        Ok(Self { gpu, screen: Screen::new(gpu, shot, light), maps })
+        Ok(bench)
     }
 
     /// What a pass writes, pixel by pixel: the shares of light from 0 (dark) to 1 (lit).
     #[must_use]
-    pub fn answers(&self, question: Question) -> Vec<f32> {
-        let pass = self.pass(question);
-        self.gpu.submit(|encoder| self.draw(encoder, &pass));
-        self.gpu.read_texture(self.screen.target(), 0)
+    pub fn answers(&self, question: Question, stage: PassStage) -> Vec<f32> {
+        self.gpu.submit(|encoder| self.record(encoder, question, stage));
+        self.screens.answers(0)
     }
 
-    /// What one pass of each question of [`Question::ALL`] takes, interleaved, `repeat` passes timed together.
+    /// What one pass of each question and kind takes, interleaved, `repeat` passes timed together.
     #[must_use]
     pub fn times(&self, timer: &Timer, rounds: Rounds, repeat: u32) -> Vec<LookupTime> {
-        let passes: Vec<ShadePass> = Question::ALL.iter().map(|question| self.pass(*question)).collect();
-        let times = timer.interleaved(passes.len(), rounds, |way, encoder| {
-            for _ in 0..repeat.max(1) {
-                self.draw(encoder, &passes[way]);
-            }
+        let questions = Question::all();
+        let ways: Vec<(Question, PassStage)> =
+            PassStage::ALL.into_iter().flat_map(|stage| questions.iter().map(move |&of| (of, stage))).collect();
+        let times = timer.interleaved(ways.len(), rounds, |way, encoder| {
+            let (question, stage) = ways[way];
+            (0..repeat.max(1)).for_each(|_| self.record(encoder, question, stage));
         });
         let one = |time| time / repeat.max(1);
         let of_one = |all: Summary| Summary { median: one(all.median), min: one(all.min), max: one(all.max) };
-        compare(&times.into_iter().map(|times| of_one(times.gpu)).collect::<Vec<_>>())
+        let of_stage = |(stage, times): (PassStage, &[_])| compare(stage, times);
+        let times: Vec<(Question, Summary)> =
+            ways.iter().zip(times).map(|((question, _), times)| (*question, of_one(times.gpu))).collect();
+        PassStage::ALL.into_iter().zip(times.chunks(questions.len())).flat_map(of_stage).collect()
     }
 
-    fn pass(&self, question: Question) -> ShadePass {
-        let (text, expression) = question.text();
-        let map = self.maps.iter().position(|map| map.method() == question.method()).unwrap_or(0);
-        ShadePass::new(self.gpu, &self.screen, map, self.maps[map].bind_group(), &text, expression)
+    fn map_of(&self, question: Question) -> usize {
+        self.maps.iter().position(|map| map.method() == question.method()).unwrap_or(0)
     }
 
-    fn draw(&self, encoder: &mut wgpu::CommandEncoder, pass: &ShadePass) {
-        self.screen.draw(encoder, pass, self.maps[pass.map].bind_group());
+    fn record(&self, encoder: &mut wgpu::CommandEncoder, question: Question, stage: PassStage) {
+        self.screens.record(encoder, 0, question, stage, &self.maps[self.map_of(question)]);
     }
 }
 
@@ -262,22 +320,45 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
+    fn times(milliseconds: impl Fn(Question) -> u64) -> Vec<(Question, Summary)> {
+        let time = |question| {
+            let median = Duration::from_millis(milliseconds(question));
+            (question, Summary { median, min: median, max: median })
+        };
+        Question::all().into_iter().map(time).collect()
+    }
+
     #[test]
     fn ratios_with_and_without_the_pass_that_asks_nothing() {
-        let times = [2, 6, 8, 4, 10, 1, 3, 5, 4, 5, 1, 1, 1, 1, 1, 1].map(|time| {
-            let median = Duration::from_millis(time);
-            Summary { median, min: median, max: median }
-        });
-        let all = compare(&times);
+        let all = compare(
+            PassStage::Compute,
+            &times(|question| match question {
+                Question::Nothing => 2,
+                Question::Lookup(Lookup::CubeHardware) => 6,
+                Question::Lookup(Lookup::Paraboloid) => 10,
+                Question::CubeFilter(Kernel::Square3) => 4,
+                Question::Filter(Kernel::Square3) => 5,
+                _ => 1,
+            }),
+        );
         let own = all.iter().find(|time| time.question == Question::Lookup(Lookup::Paraboloid));
         let figures = own.map(|own| (own.ms_over_nothing, own.to_cube, own.to_cube_over_nothing));
         assert_eq!(figures, Some((8.0, 10.0 / 6.0, Some(2.0))));
-        assert_eq!(all.len(), Question::ALL.len());
+        assert_eq!(all.len(), Question::all().len());
         let same = |kernel| {
             let filter = all.iter().find(|time| time.question == Question::Filter(kernel));
             filter.and_then(|time| time.to_same_on_cube_over_nothing)
         };
         assert_eq!((same(Kernel::Square3), same(Kernel::Square5)), (Some(1.5), None));
-        assert_eq!(compare(&[times[0]; 16])[1].to_cube_over_nothing, None);
+        let even = compare(PassStage::Fragment, &times(|_| 2));
+        assert!(even.iter().all(|time| time.to_cube_over_nothing.is_none() && time.stage == PassStage::Fragment));
+    }
+
+    #[test]
+    fn every_lookup_is_asked_once() {
+        let all = Question::all();
+        for lookup in Method::ALL.iter().flat_map(|method| method.lookups()) {
+            assert_eq!(all.iter().filter(|of| **of == Question::Lookup(*lookup)).count(), 1, "{}", lookup.name());
+        }
     }
 }

@@ -1,41 +1,59 @@
 //! Figures of one scene, light and method, for people and for machines.
 
+mod bias;
 mod judge;
+mod pixels;
 mod subject;
 
-pub use judge::{Answers, BIASES, Judge, Judged, pair_of_equal_texels};
-pub use subject::{LightChoice, PROCEDURAL, choose_light, find_scene, select_scenes};
+pub use judge::{Answers, Judge, Judged};
+pub use pixels::{PixelError, Pixels};
+pub use subject::{LightChoice, PROCEDURAL, SCENES_IN_CODE};
+pub use subject::{choose_camera, choose_light, find_scene, is_made_in_code, select_scenes};
 
-use super::error_figures::{MapError, ShadowError, ShadowReport, map_error, shadow_error};
-use super::error_figures::{Receiver, ideal_shadows, per_million, sample_receivers, truth};
+use super::error_figures::truth;
+use super::error_figures::{CreaseError, MapError, Receiver, ShadowError, ShadowReport};
+use super::error_figures::{
+    crease_error, energy_ppm, lit_creases, map_error, near_boundary, per_million, sample_receivers, shadow_error,
+};
 use super::fill;
 use super::gpu::Gpu;
-use super::ideal::{BIAS, IdealMap, Lookup, MapGeometry, ideal_map};
+use super::ideal::{BIAS, NORMAL_BIAS, IdealMap, Lookup, MapGeometry, ideal_map};
 use super::reference::{self, Reference, View};
 use super::scene::Scene;
+use super::votes_v1::VotesV1;
 use crate::{Casters, Error, LightId, PointLight, PointShadows, PointShadowsDescriptor, Sides};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
+use rayon::prelude::*;
+use std::sync::{Arc, OnceLock};
 
 /// The truth of a scene and a light: what every method and resolution is judged by.
 pub struct Truth {
     /// The light in double precision.
     pub view: View,
     /// The scene's triangles, for rays.
-    pub reference: Reference,
-    /// Where shadows are asked for.
+    pub reference: Arc<Reference>,
+    /// Where shadows are asked for: on surfaces that a renderer lights, grazing ones among them ([`sample_receivers`]).
+    /// The figures are of those that count ([`Receiver::counts`]), unless they say otherwise.
     pub receivers: Vec<Receiver>,
     /// Whether the light reaches each receiver.
     pub lit: Vec<bool>,
+    /// Whether each receiver counts: asked for every method, orientation and bias.
+    counts: Vec<bool>,
+    /// Which sides cast.
+    sides: reference::Sides,
+    /// What [`Self::lit_creases`] found.
+    creases: OnceLock<Vec<usize>>,
 }
 
 impl Truth {
-    /// Casts the rays: `samples` receivers drawn with `seed`. Both sides of all triangles cast.
+    /// Casts the rays: receivers drawn with `seed`, until `samples` of them count. Both sides of all triangles cast.
     #[must_use]
     pub fn new(scene: &Scene, light: &PointLight, samples: usize, seed: u64) -> Self {
         Self::with_sides(scene, light, Sides::Auto, samples, seed)
     }
 
-    /// [`Self::new`] with a rule for the sides of all meshes. Receivers are drawn over all triangles, casters or not.
+    /// [`Self::new`] with a rule for the sides of all meshes that cast. It says nothing about receivers: with
+    /// [`Sides::Front`] the back of a double-sided triangle casts nothing and is a receiver all the same.
     #[must_use]
     pub fn with_sides(scene: &Scene, light: &PointLight, sides: Sides, samples: usize, seed: u64) -> Self {
         let view = View {
@@ -44,67 +62,152 @@ impl Truth {
             near: f64::from(light.near),
             range: f64::from(light.range),
         };
-        let reference = match sides {
-            Sides::Auto | Sides::Both => both_faces(scene, view.position),
-            Sides::Front => front_faces(scene, view.position),
+        let sides = match sides {
+            Sides::Auto | Sides::Both => reference::Sides::Both,
+            Sides::Front => reference::Sides::Front,
         };
+        let reference = Arc::new(reference(scene, view.position, sides));
         let receivers = sample_receivers(&reference, &view, samples, seed);
         let lit = truth(&receivers, &reference, &view);
-        Self { view, reference, receivers, lit }
+        let counts = receivers.par_iter().map(|receiver| receiver.counts(view.position)).collect();
+        Self { view, reference, receivers, lit, counts, sides, creases: OnceLock::new() }
     }
 
-    /// Positions and normals of the receivers, as a shader takes them.
+    /// The same receivers and the same answers, for maps of the light turned to another orientation.
+    ///
+    /// What a light reaches doesn't hang on how its maps are turned, with one exception: maps leave out what is nearer
+    /// than the clip distance, which is half of `near` on their axes and `near` at the seam. Receivers are farther than
+    /// `near`, so maps hold them in every orientation. Where a *caster* is between half of `near` and `near`, the
+    /// answers stay those of the orientation that the truth was made for; [`light_for`] keeps `near` so small that
+    /// none is.
+    #[must_use]
+    pub fn turned(&self, orientation: Quat) -> Self {
+        Self {
+            view: View { orientation: orientation.as_dquat(), ..self.view },
+            reference: Arc::clone(&self.reference),
+            receivers: self.receivers.clone(),
+            lit: self.lit.clone(),
+            counts: self.counts.clone(),
+            sides: self.sides,
+            creases: OnceLock::new(),
+        }
+    }
+
+    /// Positions and normals of the receivers, as a shader takes them. Normals are on the side of the light.
     #[must_use]
     pub fn inputs(&self) -> Vec<(Vec3, Vec3)> {
         self.receivers.iter().map(|receiver| (receiver.position, receiver.normal)).collect()
     }
 
-    /// Error figures of answers from a map of this geometry.
+    /// Error figures of a method's answers.
+    ///
+    /// # Panics
+    /// When there are not as many values as receivers.
     #[must_use]
-    pub fn judge(&self, values: &[f32], geometry: &MapGeometry) -> ShadowError {
-        shadow_error(&self.receivers, &self.lit, values, &self.reference, &self.view, geometry)
+    pub fn judge(&self, values: &[f32]) -> ShadowError {
+        shadow_error(&self.receivers, &self.lit, values, &self.reference, &self.view)
     }
 
-    /// Wrong answers, in parts per million. An answer of 0.5 or more means lit.
+    /// Wrong answers at the receivers that count, in parts per million. An answer of 0.5 or more means lit.
     #[must_use]
     pub fn wrong_ppm(&self, values: &[f32]) -> f64 {
-        let wrong = values.iter().zip(&self.lit).filter(|&(&value, &lit)| (value >= 0.5) != lit).count();
-        per_million(wrong, self.lit.len())
+        let (wrong, counted) = self.count(|receiver| (values[receiver] >= 0.5) != self.lit[receiver]);
+        per_million(wrong, counted)
     }
 
-    /// The ray-cast map, and the error figures of the double precision lookup on it, with the bias
-    /// of a pair of this tolerance.
+    /// Wrong answers at all receivers, each weighed by its cosine with the direction to the light, in parts per million
+    /// of the weight of all: the share of the light's energy that goes wrong, with no cut-off at grazing.
     #[must_use]
-    pub fn ideal(&self, geometry: MapGeometry, tolerance: f64) -> (IdealMap, ShadowError) {
+    pub fn wrong_energy_ppm(&self, values: &[f32]) -> f64 {
+        energy_ppm(&self.receivers, &self.lit, values, self.view.position)
+    }
+
+    /// Receivers that count at which two methods decide differently, in parts per million.
+    #[must_use]
+    pub fn disagree_ppm(&self, values: &[f32], others: &[f32]) -> f64 {
+        let (different, counted) = self.count(|receiver| (values[receiver] >= 0.5) != (others[receiver] >= 0.5));
+        per_million(different, counted)
+    }
+
+    /// Number of the receivers that count: what errors are parts of.
+    #[must_use]
+    pub fn counted(&self) -> usize {
+        self.count(|_| false).1
+    }
+
+    /// Whether each receiver counts ([`Receiver::counts`]).
+    #[must_use]
+    pub fn counts(&self) -> &[bool] {
+        &self.counts
+    }
+
+    /// Wrong answers at receivers that count, farther from every true shadow boundary than
+    /// [`FAR_TEXELS`](super::error_figures::FAR_TEXELS) of a map of this geometry, in parts per million. For a map's own
+    /// tests: published figures are in the same texels for all ([`ShadowError::far_wrong_ppm`]).
+    #[must_use]
+    pub fn far_ppm(&self, values: &[f32], geometry: &MapGeometry) -> f64 {
+        let is_far = |receiver: usize| {
+            let (place, lit) = (&self.receivers[receiver], self.lit[receiver]);
+            (values[receiver] >= 0.5) != lit && !near_boundary(place, lit, &self.reference, &self.view, geometry)
+        };
+        let (far, counted) = self.count(is_far);
+        per_million(far, counted)
+    }
+
+    /// How many of the receivers that count are selected, and how many count.
+    fn count(&self, selected: impl Fn(usize) -> bool) -> (usize, usize) {
+        let counted = (0..self.receivers.len()).filter(|receiver| self.counts[*receiver]);
+        counted.fold((0, 0), |(some, all), receiver| (some + usize::from(selected(receiver)), all + 1))
+    }
+
+    /// What a method answers in lit creases; `None` where the receivers are in none.
+    #[must_use]
+    pub fn crease_error(&self, values: &[f32]) -> Option<CreaseError> {
+        let in_creases: Vec<f32> = self.lit_creases().iter().map(|&receiver| values[receiver]).collect();
+        crease_error(&in_creases)
+    }
+
+    /// The receivers in lit creases ([`lit_creases`]). They are looked for once.
+    #[must_use]
+    pub fn lit_creases(&self) -> &[usize] {
+        self.creases.get_or_init(|| lit_creases(&self.receivers, &self.lit, &self.reference, &self.view))
+    }
+
+    /// The ray-cast map, and the error figures of the double precision lookup on it.
+    #[must_use]
+    pub fn ideal(&self, geometry: MapGeometry) -> (IdealMap, ShadowError) {
         let map = ideal_map(&self.reference, &self.view, geometry);
-        let lookup = Lookup { view: self.view, geometry, bias: BIAS, tolerance };
-        let values = ideal_shadows(&self.receivers, &map, &lookup);
-        let error = self.judge(&values, &geometry);
+        let error = self.judge(&self.ideal_values(&map));
         (map, error)
     }
-}
 
-/// A scene's triangles, of which both sides cast.
-fn both_faces(scene: &Scene, light: DVec3) -> Reference {
-    let all = scene.world_triangles();
-    Reference::new(&all.corners, None, light).with_cut_outs(scene.cut_outs(&all))
-}
-
-/// A scene's triangles, of which only the fronts cast.
-fn front_faces(scene: &Scene, light: DVec3) -> Reference {
-    let mut all = scene.world_triangles();
-    let mut cut_outs = scene.cut_outs(&all);
-    for (number, (corners, instance)) in all.corners.iter_mut().zip(&all.instance).enumerate() {
-        // A transform that mirrors turns the winding around.
-        if scene.instances[*instance as usize].transform.matrix3.determinant() < 0.0 {
-            corners.swap(1, 2);
-            if let Some(Some((_, coordinates))) = cut_outs.triangles.get_mut(number) {
-                coordinates.swap(1, 2);
-            }
-        }
+    /// What the double precision lookup answers on a ray-cast map.
+    fn ideal_values(&self, map: &IdealMap) -> Vec<f32> {
+        let lookup = Lookup { view: self.view, geometry: map.geometry, bias: BIAS, normal_bias: NORMAL_BIAS };
+        self.answers(|position, normal| lookup.shadow(|texel| map.depths[texel], position, normal))
     }
-    let sides = vec![reference::Sides::Front; all.corners.len()];
-    Reference::new(&all.corners, Some(&sides), light).with_cut_outs(cut_outs)
+
+    /// What [`VotesV1`] answers at the receivers on a ray-cast map.
+    #[must_use]
+    pub fn votes_v1(&self, map: &IdealMap) -> Vec<f32> {
+        let lookup = VotesV1 { view: self.view, geometry: map.geometry };
+        self.answers(|position, normal| lookup.shadow(|texel| map.depths[texel], position, normal))
+    }
+
+    /// A lookup's answers from positions and normals of the world.
+    fn answers(&self, lookup: impl Fn(DVec3, DVec3) -> f64 + Sync) -> Vec<f32> {
+        let answer = |receiver: &Receiver| lookup(receiver.position.as_dvec3(), receiver.normal.as_dvec3()) as f32;
+        self.receivers.par_iter().map(answer).collect()
+    }
+}
+
+/// A scene's triangles around a light, all with the same rule for which sides cast.
+fn reference(scene: &Scene, light: DVec3, sides: reference::Sides) -> Reference {
+    let all = scene.world_triangles();
+    let sides = (sides == reference::Sides::Front).then(|| vec![sides; all.corners.len()]);
+    Reference::new(&all.corners, sides.as_deref(), light)
+        .with_cut_outs(scene.cut_outs(&all))
+        .with_double_sided(scene.double_sided(&all))
 }
 
 /// A light's maps of a scene, made by the library.
@@ -146,13 +249,16 @@ impl Made {
     #[must_use]
     pub fn figures(&self, gpu: &Gpu, truth: &Truth) -> Figures {
         let geometry = self.geometry();
-        let (ideal, ideal_error) = truth.ideal(geometry, f64::from(self.shadows.depth_tolerance()));
+        let ideal = ideal_map(&truth.reference, &truth.view, geometry);
+        let ideal_values = truth.ideal_values(&ideal);
+        let ideal_error = truth.judge(&ideal_values);
         let stored = gpu.read_map(&self.shadows, self.light);
         let values = gpu.shadow_values(&self.shadows, self.light, &truth.inputs());
         Figures {
             map: map_error(&stored, &ideal, &truth.reference, &truth.view),
-            shadow: ShadowReport { error: truth.judge(&values, &geometry), ideal_wrong_ppm: ideal_error.wrong_ppm },
+            shadow: ShadowReport { error: truth.judge(&values), ideal_wrong_ppm: ideal_error.wrong_ppm },
             ideal: ideal_error,
+            far_wrong_ppm: [&values, &ideal_values].map(|values| truth.far_ppm(values, &geometry)),
         }
     }
 }
@@ -166,6 +272,8 @@ pub struct Figures {
     pub shadow: ShadowReport,
     /// Of the ray-cast map's answers: all its figures.
     pub ideal: ShadowError,
+    /// Far answers of the lookup, and of the ray-cast map, in texels of the map itself ([`Truth::far_ppm`]).
+    pub far_wrong_ppm: [f64; 2],
 }
 
 /// A light that suits a scene: its range reaches everything, and near is 1e-5 of that.
@@ -181,30 +289,67 @@ pub fn light_for(scene: &Scene, position: Vec3) -> PointLight {
 mod tests {
     use super::*;
     use crate::compare::procedural::shapes::quad;
-    use crate::compare::scene::SceneInstance;
+    use crate::compare::scene::{Material, SceneInstance};
     use glam::Affine3A;
 
-    /// Share of a floor's and a sheet's receivers that a lamp above both lights, with fronts alone or both sides casting.
-    fn lit(sheet_faces_the_lamp: bool, sides: Sides, mirror: f32) -> f64 {
+    /// A floor that faces a lamp above, and a sheet between them, from the lamp's side or from behind.
+    fn truth(sheet_faces_the_lamp: bool, double_sided: bool, sides: Sides, mirror: f32) -> Truth {
         let (low, x, z) = (Vec3::new(-0.5, 1.0, -0.5), Vec3::X, Vec3::Z);
-        let sheet = if sheet_faces_the_lamp { quad(low, z, x) } else { quad(low, x, z) };
+        let mut sheet = if sheet_faces_the_lamp { quad(low, z, x) } else { quad(low, x, z) };
+        sheet.material = 1;
         let floor = quad(Vec3::new(-2.0, 0.0, -2.0), 4.0 * z, 4.0 * x);
         let transforms = [Affine3A::IDENTITY, Affine3A::from_scale(Vec3::new(mirror, 1.0, 1.0))];
         let instance = |(mesh, transform)| SceneInstance { mesh, transform };
         let instances = transforms.into_iter().enumerate().map(instance).collect();
-        let scene = Scene { meshes: vec![floor, sheet], instances, ..Scene::default() };
+        let materials = vec![Material::default(), Material { double_sided, ..Material::default() }];
+        let scene = Scene { meshes: vec![floor, sheet], instances, materials, ..Scene::default() };
         let light = PointLight { position: 2.0 * Vec3::Y, range: 10.0, ..Default::default() };
-        let truth = Truth::with_sides(&scene, &light, sides, 500, 1);
-        assert_eq!(truth.wrong_ppm(&truth.lit.iter().map(|lit| f32::from(u8::from(!lit))).collect::<Vec<_>>()), 1e6);
-        truth.lit.iter().filter(|lit| **lit).count() as f64 / truth.lit.len() as f64
+        Truth::with_sides(&scene, &light, sides, 2000, 1)
+    }
+
+    /// Share of the receivers for which something holds.
+    fn share(truth: &Truth, of: impl Fn(usize) -> bool) -> f64 {
+        (0..truth.receivers.len()).filter(|receiver| of(*receiver)).count() as f64 / truth.receivers.len() as f64
     }
 
     #[test]
     fn backs_cast_only_where_both_sides_do() {
-        for mirror in [1.0, -1.0] {
-            assert!(lit(true, Sides::Auto, mirror) < 0.9 && lit(false, Sides::Auto, mirror) < 0.9);
-            assert!(lit(true, Sides::Front, mirror) < 0.9);
-            assert_eq!(lit(false, Sides::Front, mirror), 1.0);
+        for (mirror, faces, double_sided) in
+            [1.0, -1.0].into_iter().flat_map(|m| [(true, false), (false, false), (false, true)].map(|(f, d)| (m, f, d)))
+        {
+            for sides in [Sides::Auto, Sides::Front] {
+                let truth = truth(faces, double_sided, sides, mirror);
+                // A mirrored sheet keeps the side that it faces: the file says which, whatever the transform.
+                let casts = sides == Sides::Auto || faces;
+                let dark = share(&truth, |receiver| !truth.lit[receiver]);
+                assert_eq!(dark > 0.1, casts, "{mirror} {faces} {double_sided} {sides:?}: {dark}");
+                let on_sheet = share(&truth, |receiver| truth.receivers[receiver].triangle >= 2);
+                assert_eq!(on_sheet > 0.1, faces || double_sided, "{mirror} {faces} {double_sided} {sides:?}");
+            }
         }
+    }
+
+    #[test]
+    fn wrong_answers_of_those_that_count() {
+        let truth = truth(true, false, Sides::Auto, 1.0);
+        let right: Vec<f32> = truth.lit.iter().map(|lit| f32::from(u8::from(*lit))).collect();
+        let wrong: Vec<f32> = right.iter().map(|value| 1.0 - value).collect();
+        assert_eq!((truth.wrong_ppm(&right), truth.wrong_energy_ppm(&right)), (0.0, 0.0));
+        assert_eq!((truth.wrong_ppm(&wrong), truth.wrong_energy_ppm(&wrong)), (1e6, 1e6));
+        let mut some = right.clone();
+        (0..10).for_each(|receiver| some[receiver] = 1.0 - some[receiver]);
+        assert_eq!(truth.wrong_ppm(&some), 1e7 / 2000.0);
+        assert_eq!((truth.disagree_ppm(&right, &some), truth.disagree_ppm(&some, &some)), (1e7 / 2000.0, 0.0));
+    }
+
+    #[test]
+    fn a_turned_truth_is_the_same_truth() {
+        let truth = truth(true, false, Sides::Auto, 1.0);
+        let turn = Quat::from_rotation_z(1.0);
+        let turned = truth.turned(turn);
+        assert_eq!((&turned.receivers, &turned.lit), (&truth.receivers, &truth.lit));
+        assert_eq!(turned.view, View { orientation: turn.as_dquat(), ..truth.view });
+        let cast = super::truth(&turned.receivers, &turned.reference, &turned.view);
+        assert_eq!(cast, truth.lit, "what was cast for the turned view");
     }
 }

@@ -91,6 +91,8 @@ pub struct Reference {
     light_position: DVec3,
     triangles: Vec<[DVec3; 3]>,
     cut_outs: CutOuts,
+    /// One for each triangle, or none at all: all are double-sided then.
+    double_sided: Vec<bool>,
     nodes: Vec<Node>,
     /// Deepest level of the tree: what a traversal's stack has to hold.
     depth: usize,
@@ -116,7 +118,8 @@ impl Reference {
             .map(|i| i as u32)
             .collect();
         let (nodes, depth) = build_tree(&triangles, &casters);
-        Self { light_position, triangles, cut_outs: CutOuts::default(), nodes, depth }
+        let (cut_outs, double_sided) = (CutOuts::default(), Vec::new());
+        Self { light_position, triangles, cut_outs, double_sided, nodes, depth }
     }
 
     /// Cuts holes into triangles: rays go through them.
@@ -128,6 +131,17 @@ impl Reference {
         let count = cut_outs.triangles.len();
         assert!(count == 0 || count == self.triangles.len(), "one cut-out a triangle");
         Self { cut_outs, ..self }
+    }
+
+    /// Says which triangles a renderer draws and lights on both sides; of the others only the front (corners
+    /// anticlockwise). Which sides cast is another matter: see [`Self::new`].
+    ///
+    /// # Panics
+    /// When there is not one entry a triangle.
+    #[must_use]
+    pub fn with_double_sided(self, double_sided: Vec<bool>) -> Self {
+        assert!(double_sided.len() == self.triangles.len(), "one entry of `double_sided` a triangle");
+        Self { double_sided, ..self }
     }
 
     /// The light's position in the world.
@@ -148,6 +162,19 @@ impl Reference {
         normal(&self.triangles[triangle as usize]).normalize_or_zero()
     }
 
+    /// Whether a renderer draws the side of a triangle that `from` (relative to the light) is on: its front, or either
+    /// side of a double-sided one. `false` in the triangle's plane.
+    #[must_use]
+    pub fn shows(&self, triangle: u32, from: DVec3) -> bool {
+        let corners = &self.triangles[triangle as usize];
+        let facing = normal(corners).dot(from - corners[0]);
+        facing > 0.0 || (facing < 0.0 && self.is_double_sided(triangle))
+    }
+
+    fn is_double_sided(&self, triangle: u32) -> bool {
+        self.double_sided.get(triangle as usize).is_none_or(|both| *both)
+    }
+
     /// Whether the direction of a triangle's point is that of a hole in it.
     #[must_use]
     pub fn is_hole(&self, triangle: u32, direction: DVec3) -> bool {
@@ -160,6 +187,22 @@ impl Reference {
         let mut nearest: Option<Hit> = None;
         self.traverse(&Ray::new(DVec3::ZERO, direction), f64::INFINITY, |triangle, t, t_max| {
             if t < t_min || t >= t_max {
+                return t_max;
+            }
+            nearest = Some(Hit { t, triangle });
+            t
+        });
+        nearest
+    }
+
+    /// The nearest caster that a camera at `eye` (relative to the light) shows in a unit direction: one that shows the
+    /// camera its back is looked through, as renderers cull it, unless it is double-sided. `t` is the distance from the
+    /// eye.
+    #[must_use]
+    pub fn seen_from(&self, eye: DVec3, direction: DVec3) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
+        self.traverse(&Ray::new(eye, direction), f64::INFINITY, |triangle, t, t_max| {
+            if t >= t_max || !self.shows(triangle, eye) {
                 return t_max;
             }
             nearest = Some(Hit { t, triangle });
@@ -582,6 +625,24 @@ mod tests {
         };
         assert!(hits(facing, Sides::Front) && hits(facing, Sides::Both) && hits(turned_away, Sides::Both));
         assert!(!hits(turned_away, Sides::Front));
+    }
+
+    #[test]
+    fn backs_are_shown_of_double_sided_triangles_alone() {
+        let wall = |z: f64| [DVec3::new(-1.0, -1.0, z), DVec3::new(1.0, -1.0, z), DVec3::new(0.0, 1.0, z)];
+        let seen = |double_sided: [bool; 2], eye: DVec3, direction: DVec3| {
+            let reference = Reference::new(&[wall(-2.0), wall(-3.0)], None, DVec3::ZERO);
+            let hit = reference.with_double_sided(double_sided.to_vec()).seen_from(eye, direction);
+            hit.map(|hit| (hit.triangle, hit.t))
+        };
+        // Both face +Z.
+        assert_eq!(seen([false, false], DVec3::ZERO, DVec3::NEG_Z), Some((0, 2.0)));
+        let behind = DVec3::new(0.0, 0.0, -5.0);
+        assert_eq!(seen([false, false], behind, DVec3::Z), None);
+        assert_eq!(seen([true, false], behind, DVec3::Z), Some((0, 3.0)));
+        assert_eq!(seen([true, true], behind, DVec3::Z), Some((1, 2.0)));
+        let reference = Reference::new(&[wall(-2.0)], None, DVec3::ZERO).with_double_sided(vec![true]);
+        assert!(!reference.shows(0, DVec3::new(5.0, 1.0, -2.0)), "edge-on");
     }
 
     #[test]

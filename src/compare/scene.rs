@@ -4,6 +4,7 @@
 //! the file names. World space is right-handed with +Y up, as in glTF; lengths are in the file's own unit.
 
 mod accessor;
+mod cameras;
 mod document;
 mod load;
 mod suggest;
@@ -13,6 +14,8 @@ use std::path::{Path, PathBuf};
 use glam::{Affine3A, DAffine3, DVec2, DVec3, Vec3};
 
 use super::{AlphaMask, CutOuts};
+
+pub use cameras::{STATED_SIZE, stated_camera};
 
 /// A scene: meshes, their instances, materials, images and point lights.
 #[derive(Clone, Debug, Default)]
@@ -166,6 +169,13 @@ impl SceneMesh {
     }
 }
 
+impl SceneInstance {
+    /// The order in which a triangle's corners are anticlockwise around the front.
+    fn front_order(&self) -> [usize; 3] {
+        if self.transform.matrix3.determinant() < 0.0 { [0, 2, 1] } else { [0, 1, 2] }
+    }
+}
+
 impl Scene {
     /// Loads the default scene of a `.glb` or `.gltf` file, with its buffers and base colour images, embedded or
     /// beside it.
@@ -206,8 +216,9 @@ impl Scene {
 
     /// All drawn triangles in world space, in the order of the instances and then of the mesh's indices.
     ///
-    /// Corners keep the order of the indices, so that front faces of a mirrored instance (negative determinant) are
-    /// clockwise. Positions are transformed in `f64` by the `f32` transform and rounded to `f32`. Takes 80 bytes per triangle.
+    /// Front faces are anticlockwise: a mirrored instance (negative determinant) turns its triangles round, so their
+    /// second and third corners are exchanged. Positions are transformed in `f64` by the `f32` transform and rounded to
+    /// `f32`. Takes 80 bytes per triangle.
     #[must_use]
     pub fn world_triangles(&self) -> WorldTriangles {
         let count = self.triangle_count();
@@ -219,7 +230,8 @@ impl Scene {
         for (index, instance) in (0_u32..).zip(&self.instances) {
             let mesh = &self.meshes[instance.mesh];
             let world = world_positions(&mesh.positions, instance.transform);
-            let corners = mesh.indices.chunks_exact(3).map(|corner| [0, 1, 2].map(|k| world[corner[k] as usize]));
+            let order = instance.front_order();
+            let corners = mesh.indices.chunks_exact(3).map(|corner| order.map(|k| world[corner[k] as usize]));
             out.corners.extend(corners);
             out.instance.resize(out.corners.len(), index);
             out.triangle.extend(0..mesh.triangle_count() as u32);
@@ -259,14 +271,29 @@ impl Scene {
             None => AlphaMask::new(&nothing, 0.0, [wgpu::AddressMode::Repeat; 2]),
         });
         let of_triangle = |(&instance, &triangle): (&u32, &u32)| {
-            let mesh = self.instances[instance as usize].mesh;
+            let instance = &self.instances[instance as usize];
+            let mesh = instance.mesh;
             let corners = &self.meshes[mesh].indices[3 * triangle as usize..][..3];
             let coordinates = masks[mesh]?.tex_coords;
             let pair = |k: usize| DVec2::from(coordinates[corners[k] as usize].map(f64::from));
-            Some((mesh as u32, [pair(0), pair(1), pair(2)]))
+            Some((mesh as u32, instance.front_order().map(pair)))
         };
         let triangles = triangles.instance.iter().zip(&triangles.triangle).map(of_triangle).collect();
         CutOuts { masks: alphas.collect(), triangles }
+    }
+
+    /// Whether a renderer draws and lights both sides of a mesh: what its material says. A mesh whose material isn't in
+    /// the scene has the default one, single-sided.
+    #[must_use]
+    pub fn is_double_sided(&self, mesh: &SceneMesh) -> bool {
+        self.materials.get(mesh.material).is_some_and(|material| material.double_sided)
+    }
+
+    /// For all triangles in turn, whether a renderer draws and lights both of their sides.
+    #[must_use]
+    pub fn double_sided(&self, triangles: &WorldTriangles) -> Vec<bool> {
+        let meshes: Vec<bool> = self.meshes.iter().map(|mesh| self.is_double_sided(mesh)).collect();
+        triangles.instance.iter().map(|&instance| meshes[self.instances[instance as usize].mesh]).collect()
     }
 
     /// The same scene with masked materials made opaque, for methods that know no holes.

@@ -62,6 +62,16 @@ pub fn grouped(number: usize) -> String {
     groups.join(",")
 }
 
+/// The pixels of a screen across and down, as in `1920x1080`.
+///
+/// # Errors
+/// A message, for anything else and for sizes that aren't 1 to 8192 each way.
+pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let pixels = |text: &str| text.parse::<u32>().ok().filter(|pixels| (1..=8192).contains(pixels));
+    let parsed = text.split_once('x').and_then(|(width, height)| pixels(width).zip(pixels(height)));
+    parsed.ok_or_else(|| format!("{text:?} is not like 1920x1080, with 1 to 8192 pixels each way"))
+}
+
 /// A message in one line: those of some files and drivers have several.
 #[must_use]
 pub fn one_line(message: impl fmt::Display) -> String {
@@ -90,6 +100,14 @@ mod tests {
     #[test]
     fn messages_of_several_lines() {
         assert_eq!(one_line("a\n    b  c\n"), "a b c");
+    }
+
+    #[test]
+    fn sizes() {
+        assert_eq!(parse_size("1920x1080"), Ok((1920, 1080)));
+        for wrong in ["", "1920", "0x1080", "1920x8193", "-1x5", "1920x1080x1"] {
+            assert!(parse_size(wrong).unwrap_err().contains("1920x1080"), "{wrong}");
+        }
     }
 
     #[test]

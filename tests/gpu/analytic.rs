@@ -13,6 +13,9 @@ const RESOLUTIONS: [u32; 6] = [64, 128, 256, 512, 1024, 2048];
 /// What an edge may miss its place by, in texels, and a surface its depth, in footprints along its normal.
 const TOLERANCE: f64 = 0.1 * (1.0 + 4.0 / 3.0);
 
+/// Relative rounding of a distance that went through depth in single precision: some steps of 2^-24 each.
+const ROUNDING: f64 = 1e-6;
+
 /// Direction of a texel in world space.
 fn direction(texel: &Texel, light: &PointLight) -> DVec3 {
     let x = double::to_hemisphere(double::unproject(texel.p.as_dvec2()), texel.back);
@@ -123,10 +126,9 @@ fn above_a_plane() {
     gpu().wait();
 }
 
-/// Fins seen from their edge: what is drawn of them is a line, and the slope of its depth a guess. None may come out
-/// nearer than it is.
-#[test]
-fn fins_seen_edge_on() {
+/// Fins seen from their edge, none of which has a point nearer than 1: their maps, and how much nearer than that each
+/// texel of them is, as a share, 0 for those that aren't.
+fn nearer_than_fins() -> Vec<Vec<f64>> {
     let mut random = Pcg64::seed_from_u64(5);
     let (near, far) = (1.0, 2.0);
     let fins = (0..2000).flat_map(|_| {
@@ -137,16 +139,34 @@ fn fins_seen_edge_on() {
         [[quad[0], quad[1], quad[2]], [quad[0], quad[2], quad[3]]]
     });
     let mut casters = soup(&fins.collect::<Vec<_>>(), Sides::Both);
-    for resolution in [256, 1024] {
+    let shares = |resolution| {
         let light = PointLight { range: 50.0, ..Default::default() };
         let map = map(&mut casters, light, resolution);
-        let mut drawn = 0;
-        for texel in map.discs().filter(|texel| texel.depth > 0.0) {
-            let distance = distance(&texel, &light);
-            let allowed = 1.0 - 0.02;
-            assert!(distance > allowed * f64::from(near), "{texel:?}: at {distance}, before the nearest fin");
-            drawn += 1;
-        }
-        assert!(drawn > 100, "{drawn} texels");
+        let drawn = map.discs().filter(|texel| texel.depth > 0.0);
+        let shares: Vec<f64> = drawn.map(|texel| (1.0 - distance(&texel, &light)).max(0.0)).collect();
+        assert!(shares.len() > 1000, "{} texels at {resolution}", shares.len());
+        shares
+    };
+    [256, 1024].map(shares).into()
+}
+
+/// What is drawn of a fin is a line, and the slope of its depth is a guess: a piece is shifted by what its interpolated
+/// depth may be off, which for a plane seen edge-on is many times what it is off. Over 8 seeds and 5 resolutions at most 1
+/// texel in 600 came out nearer, by up to 1.6 %.
+#[test]
+fn few_texels_of_fins_seen_edge_on_are_nearer_by_two_percent_at_most() {
+    for shares in nearer_than_fins() {
+        let (nearer, worst) = (shares.iter().filter(|share| **share > ROUNDING).count(), shares.iter().copied());
+        let worst = worst.fold(0.0, f64::max);
+        assert!(worst < 0.02 && 300 * nearer < shares.len(), "{nearer} of {}, by up to {worst}", shares.len());
+    }
+}
+
+#[test]
+#[ignore = "pieces of planes seen edge-on are shifted by a guess: 8 of 18,615 texels are nearer, by up to 1.6 %"]
+fn no_texel_of_fins_seen_edge_on_is_nearer() {
+    for shares in nearer_than_fins() {
+        let nearer: Vec<_> = shares.iter().filter(|share| **share > ROUNDING).collect();
+        assert!(nearer.is_empty(), "{} of {}: {nearer:?}", nearer.len(), shares.len());
     }
 }

@@ -1,7 +1,11 @@
 //! The shared device, and shorthands over it.
 
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::{CasterMesh, Casters, Indices, LightId, PointLight, PointShadows, PointShadowsDescriptor, Sides};
+use dual_paraboloid::compare::procedural::shapes;
+use dual_paraboloid::compare::scene::SceneMesh;
+use dual_paraboloid::{
+    CasterMesh, Casters, Indices, InstanceId, LightId, MeshId, PointLight, PointShadows, PointShadowsDescriptor, Sides,
+};
 use glam::{Affine3A, Vec2, Vec3};
 use std::sync::OnceLock;
 
@@ -22,6 +26,27 @@ pub fn soup(triangles: &[[Vec3; 3]], sides: Sides) -> Casters {
         casters.add_instance(mesh, Affine3A::IDENTITY).unwrap();
     }
     casters
+}
+
+/// Triangles without shared vertices, as a mesh of a scene.
+pub fn mesh_of(triangles: &[[Vec3; 3]]) -> SceneMesh {
+    let positions: Vec<[f32; 3]> = triangles.as_flattened().iter().map(|p| p.to_array()).collect();
+    SceneMesh { indices: (0..positions.len() as u32).collect(), positions, ..SceneMesh::default() }
+}
+
+/// So many spheres of 320 triangles in rows.
+pub fn add_spheres(casters: &mut Casters, count: usize) -> (MeshId, Vec<InstanceId>) {
+    let sphere = shapes::icosphere(0.3, 2);
+    let mesh = CasterMesh {
+        positions: &sphere.positions,
+        indices: Indices::U32(&sphere.indices),
+        sides: Sides::Both,
+        ..Default::default()
+    };
+    let mesh = casters.add_mesh(&mesh).unwrap();
+    let place = |k: usize| Vec3::new((k % 100) as f32, (k / 100) as f32, 2.0);
+    let add = |k| casters.add_instance(mesh, Affine3A::from_translation(place(k))).unwrap();
+    (mesh, (0..count).map(add).collect())
 }
 
 /// Shadows for one light.

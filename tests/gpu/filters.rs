@@ -1,46 +1,20 @@
 //! Filtered shadows: edges of one width everywhere, no line at the seam, no acne and no light where it is dark, and
 //! spheres of light against ray tracing.
 
+use crate::claims::{FILTERS, assert_even_where_it_should_be, filtered, made, record};
 use crate::common::{descriptor, gpu};
-use crate::hard_cases::{boxes_around, orientation, rod, room, scene, slack_ppm};
+use crate::hard_cases::{boxes_around, orientation, rod, room, scene};
 use dual_paraboloid::compare::area_light::{shares_of_sphere, soft_error};
 use dual_paraboloid::compare::error_figures::filter_error;
 use dual_paraboloid::compare::gpu::evaluation;
-use dual_paraboloid::compare::measure::{Made, Truth, choose_light, light_for};
+use dual_paraboloid::compare::measure::{Made, Truth, light_for};
 use dual_paraboloid::compare::procedural::shapes::{cuboid, quad};
-use dual_paraboloid::compare::scene::{Scene, scenes_dir};
-use dual_paraboloid::{Coverage, Error, Filter, PointLight, PointShadowsDescriptor, wgsl};
+use dual_paraboloid::compare::scene::Scene;
+use dual_paraboloid::{Coverage, Error, Filter, PointLight, wgsl};
 use glam::{Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
-
-/// All filters with the settings that they have by default; the soft light has a radius of 0.1.
-const DEFAULTS: [Filter; 6] =
-    [Filter::Hard, Filter::Bilinear, Filter::Pcf3, Filter::Pcf5, Filter::disc(0.01), Filter::soft(0.1)];
-
-/// A light's maps of a scene, with room for every piece.
-fn made(scene: &Scene, light: PointLight, resolution: u32) -> Made {
-    let descriptor = PointShadowsDescriptor { resolution, capacity: 1, ..Default::default() };
-    let mut made = Made::new(gpu(), scene, light, &descriptor).unwrap();
-    gpu().wait();
-    record(&mut made);
-    made
-}
-
-fn record(made: &mut Made) -> u32 {
-    let mut count = 0;
-    let Made { shadows, casters, .. } = made;
-    gpu().submit(|encoder| count = shadows.record(&gpu().device, &gpu().queue, encoder, casters).unwrap());
-    count
-}
-
-/// Answers by another filter of the same map.
-fn values(made: &mut Made, light: PointLight, filter: Filter, inputs: &[(Vec3, Vec3)]) -> Vec<f32> {
-    made.shadows.set(made.light, PointLight { filter, ..light }).unwrap();
-    assert_eq!(record(made), 0, "another filter made the map stale");
-    gpu().filtered_values(&made.shadows, made.light, inputs)
-}
 
 /// The half of a wall's view that a sheet half way to it takes, over the wall, three units before a light at the origin
 /// that looks along +Z.
@@ -112,8 +86,8 @@ fn creases_are_not_dark() {
     let light = PointLight { filter: Filter::soft(0.1), ..light_for(&scene, Vec3::new(-2.0, 0.0, 0.0)) };
     let mut made = made(&scene, light, 1024);
     let points: Vec<_> = (1..100).map(|k| (Vec3::new(-0.02 * k as f32, 0.1, 3.0), Vec3::Z)).collect();
-    for filter in DEFAULTS {
-        let dark = values(&mut made, light, filter, &points).into_iter().filter(|value| *value < 0.99).count();
+    for filter in FILTERS {
+        let dark = filtered(&mut made, light, filter, &points).into_iter().filter(|value| *value < 0.99).count();
         // Only a fixed disc darkens the crease, 0.01 radians of 3.6 wide.
         let allowed = if matches!(filter, Filter::Disc { .. }) { 3 } else { 1 };
         assert!(dark <= allowed, "{filter:?}: {dark} points beside the block are dark");
@@ -153,7 +127,7 @@ fn steps_across_the_seam(filters: &[Filter], spacing: f32) -> Vec<Vec<(f64, f64)
         }
         let mut made = made(&scene, light, 256);
         for (filter, squares) in filters.iter().zip(&mut squares) {
-            for path in values(&mut made, light, *filter, &inputs).chunks_exact(STEPS + 1) {
+            for path in filtered(&mut made, light, *filter, &inputs).chunks_exact(STEPS + 1) {
                 for (pair, square) in path.windows(2).zip(&mut *squares) {
                     let change = f64::from((pair[1] - pair[0]).abs());
                     *square = (square.0 + change * change, square.1.max(change));
@@ -168,7 +142,7 @@ fn steps_across_the_seam(filters: &[Filter], spacing: f32) -> Vec<Vec<(f64, f64)
 #[test]
 fn no_filter_shows_the_seam() {
     let wide = [1.0f32, 5.0, 20.0].map(|degrees| Filter::Disc { radius: degrees.to_radians(), taps: 64 });
-    let filters = [&DEFAULTS[1..], &wide].concat();
+    let filters = [&FILTERS[1..], &wide].concat();
     // Half a texel at the rim of 256.
     for (filter, mut steps) in filters.iter().zip(steps_across_the_seam(&filters, 0.5 * 2.0 * 1.03 / 256.0)) {
         let crossing = steps.remove(4);
@@ -184,46 +158,11 @@ fn furnished() -> Scene {
     scene(meshes)
 }
 
-/// Asserts for all filters that surfaces in the light are lit and those in the dark are dark, where all of the kernel
-/// is: at 99.99 % and at 99.9 % of the samples, within chance.
-fn assert_even_where_it_should_be(scene: &Scene, light: PointLight, resolution: u32, samples: usize) {
-    let mut made = made(scene, light, resolution);
-    let truth = Truth::new(scene, &light, samples, 3);
-    for filter in DEFAULTS {
-        let filter = match filter {
-            Filter::Soft { .. } => Filter::soft(0.005 * light.range),
-            other => other,
-        };
-        let values = values(&mut made, light, filter, &truth.inputs());
-        let error = filter_error(&truth, &values, &made.geometry(), filter);
-        println!("{:24} {filter:?}: {error:?}", scene.name);
-        let (acne, underlight) = (100.0 + slack_ppm(100.0, samples), 1000.0 + slack_ppm(1000.0, samples));
-        let is_even = error.acne_ppm <= acne && error.underlight_ppm <= underlight;
-        assert!(is_even, "{}, {filter:?}: {error:?}", scene.name);
-    }
-}
-
 #[test]
 fn no_acne_and_no_light_in_the_dark() {
     let scene = furnished();
     let light = PointLight { orientation: Quat::from_rotation_x(0.9), ..light_for(&scene, Vec3::ZERO) };
     assert_even_where_it_should_be(&scene, light, 512, 20_000);
-}
-
-#[test]
-fn no_acne_and_no_light_in_the_dark_of_scenes() {
-    let Some(folder) = scenes_dir() else {
-        eprintln!("no scenes: set DP_SCENES to a folder with .glb files to test on them too");
-        return;
-    };
-    for name in ["barn_lamp.glb", "gallery_vr.glb", "lights_level_blenvy.glb"] {
-        let path = folder.join(name);
-        if path.exists() {
-            let scene = Scene::load(&path).unwrap();
-            let (light, _) = choose_light(&scene, None, None);
-            assert_even_where_it_should_be(&scene, light, 512, 10_000);
-        }
-    }
 }
 
 /// Under a plate that is near the wall it is dark, however wide the penumbras that bars nearer to the light throw there.
@@ -294,8 +233,8 @@ fn soft_shadows_are_those_of_a_sphere() {
             let truth = Truth::new(&scene, &light, 6000, 1);
             let shares = shares_of_sphere(&truth.receivers, &truth.reference, &truth.view, f64::from(radius), 256);
             let mut made = made(&scene, light, 512);
-            let soft = soft_error(&values(&mut made, light, light.filter, &truth.inputs()), &shares);
-            let point = soft_error(&values(&mut made, light, Filter::Bilinear, &truth.inputs()), &shares);
+            let soft = soft_error(&filtered(&mut made, light, light.filter, &truth.inputs()), &shares);
+            let point = soft_error(&filtered(&mut made, light, Filter::Bilinear, &truth.inputs()), &shares);
             println!("{name}, {radius}: {soft:.4?}; unfiltered {:.4}", point.penumbra_rms);
             assert!(soft.penumbra_rms < allowed, "{name}, {radius}: {soft:?}");
             assert!(soft.penumbra_rms < 0.6 * point.penumbra_rms, "{name}, {radius}: no better than unfiltered");
@@ -309,23 +248,23 @@ fn filters_by_name_are_those_of_the_light() {
     let light = PointLight { orientation: Quat::from_rotation_x(0.4), ..light_for(&scene, Vec3::ZERO) };
     let mut made = made(&scene, light, 128);
     let inputs = Truth::new(&scene, &light, 2000, 5).inputs();
-    let bilinear = values(&mut made, light, Filter::Bilinear, &inputs);
+    let bilinear = filtered(&mut made, light, Filter::Bilinear, &inputs);
     assert_eq!(bilinear, gpu().shadow_values(&made.shadows, made.light, &inputs));
     let names = ["dp_shadow_hard", "", "dp_shadow_pcf3", "dp_shadow_pcf5", "dp_shadow_disc", "dp_shadow_soft"];
-    for (filter, name) in DEFAULTS.into_iter().zip(names).filter(|(_, name)| !name.is_empty()) {
-        let own = values(&mut made, light, filter, &inputs);
+    for (filter, name) in FILTERS.into_iter().zip(names).filter(|(_, name)| !name.is_empty()) {
+        let own = filtered(&mut made, light, filter, &inputs);
         let text = [wgsl::lookup(0), evaluation(&format!("{name}(0u, position, normal, 0.0)"))].concat();
         let named = || gpu().evaluate(&text, &[(made.shadows.bind_group(), made.shadows.bind_group_layout())], &inputs);
         assert_eq!(own, named(), "{name}");
         assert_ne!(own, bilinear, "{name}");
         assert!(own.iter().all(|share| (0.0..=1.0).contains(share)), "{name}");
     }
-    let hard = values(&mut made, light, Filter::Hard, &inputs);
+    let hard = filtered(&mut made, light, Filter::Hard, &inputs);
     let decided = bilinear.iter().map(|share| if *share >= 0.5 { 1.0 } else { 0.0 });
     assert_eq!(hard, decided.collect::<Vec<f32>>());
     // Without a size of their own both are unfiltered.
     for filter in [Filter::Disc { radius: 0.0, taps: 1 }, Filter::Soft { light_radius: 0.0, taps: 1 }] {
-        let values = values(&mut made, light, filter, &inputs);
+        let values = filtered(&mut made, light, filter, &inputs);
         let off = values.iter().zip(&bilinear).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(off < 1e-5, "{filter:?}: {off}");
     }
@@ -340,7 +279,7 @@ fn behind_one_hemisphere_it_is_dark() {
     let mut made = made(&scene, light, 256);
     let angles = [-0.05f32, 0.001, 0.05, 0.12];
     let inputs: Vec<_> = angles.iter().map(|angle| (Vec3::new(4.0, 0.5, 4.0 * angle.tan()), Vec3::X)).collect();
-    let values = values(&mut made, light, Filter::Disc { radius, taps: 256 }, &inputs);
+    let values = filtered(&mut made, light, Filter::Disc { radius, taps: 256 }, &inputs);
     for (angle, value) in angles.iter().zip(values) {
         let expected = if *angle < 0.0 { 0.0 } else { share_of_disc(-angle / radius) };
         assert!((value - expected).abs() < 0.03, "{angle}: {value}, not {expected}");
@@ -388,8 +327,8 @@ fn degenerate_receivers_have_a_share() {
             Filter::Soft { light_radius: 1e30, taps: 3 },
             Filter::soft(3.0),
         ];
-        for filter in DEFAULTS.into_iter().chain(extreme) {
-            for (value, input) in values(&mut made, light, filter, &inputs).iter().zip(&inputs) {
+        for filter in FILTERS.into_iter().chain(extreme) {
+            for (value, input) in filtered(&mut made, light, filter, &inputs).iter().zip(&inputs) {
                 assert!((0.0..=1.0).contains(value), "{filter:?} at {resolution}: {value} at {input:?}");
             }
         }

@@ -4,7 +4,9 @@
 mod analytic;
 mod axis;
 mod caching;
+mod claims;
 mod common;
+mod creases;
 mod custom;
 mod deforming;
 mod degenerate;
@@ -19,3 +21,4 @@ mod rasteriser;
 mod routing;
 mod seam;
 mod watertight;
+mod workgroups;

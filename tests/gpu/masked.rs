@@ -1,10 +1,10 @@
 //! Casters with holes.
 
-use crate::common::{Map, box_inside, descriptor, gpu, map};
-use crate::routing::assert_same;
+use crate::claims::{assert_exact_without_room, assert_holes_are_true, assert_routed_is_unrouted};
+use crate::common::{Map, box_inside, descriptor, gpu, map, mesh_of};
+use crate::hard_cases::scene;
 use crate::watertight::shell;
-use dual_paraboloid::compare::measure::{Made, Truth, light_for};
-use dual_paraboloid::compare::scene::{Alpha, Material, Scene, SceneInstance, SceneMesh, known_lights, scenes_dir};
+use dual_paraboloid::compare::scene::{Alpha, Material, Scene, SceneInstance, SceneMesh};
 use dual_paraboloid::{
     CasterMesh, Casters, Coverage, Indices, Mask, MeshId, PointLight, PointShadows, PointShadowsDescriptor, Sides,
     paraboloid,
@@ -130,7 +130,7 @@ fn random_point(rng: &mut Pcg64, size: f32) -> Vec3 {
 }
 
 /// Sheets at random places, every third whole, some of them mirrored and sheared.
-fn random_sheets(rng: &mut Pcg64, sides: Sides) -> Casters {
+pub fn random_sheets(rng: &mut Pcg64, sides: Sides) -> Casters {
     let mut casters = Casters::new(&gpu().device);
     let textures = [checkerboard(3), checkerboard(1)];
     for number in 0..12 {
@@ -153,7 +153,12 @@ fn leaving_triangles_out_changes_nothing() {
     for (sides, resolution) in [(Sides::Auto, 64), (Sides::Front, 128), (Sides::Auto, 300)] {
         let mut casters = random_sheets(&mut rng, sides);
         let orientation = Quat::from_rotation_x(rng.random_range(0.0..3.0));
-        assert_same(&mut casters, PointLight { orientation, range: 100.0, ..Default::default() }, resolution, "sheets");
+        assert_routed_is_unrouted(
+            &mut casters,
+            PointLight { orientation, range: 100.0, ..Default::default() },
+            resolution,
+            "sheets",
+        );
     }
 }
 
@@ -225,6 +230,15 @@ fn meshes_come_and_go() {
     assert!(casters.memory() < 1_000_000, "{} bytes for one texture", casters.memory());
 }
 
+/// The depths of two maps at each texel that both show something at, and at its eight neighbours.
+fn away_from_empty_ones([a, b]: &[Map; 2]) -> Vec<[f32; 2]> {
+    let row = 2 * a.resolution as usize;
+    let shows = |at: usize| a.depth[at] > 0.0 && b.depth[at] > 0.0;
+    let around = |at: usize| [at - row, at, at + row].into_iter().flat_map(|middle| middle - 1..=middle + 1);
+    let inner = (row + 1..a.depth.len() - row - 1).filter(|&at| around(at).all(shows));
+    inner.map(|at| [a.depth[at], b.depth[at]]).collect()
+}
+
 /// An instance that mirrors its mesh shows what a mesh of the mirrored positions does.
 #[test]
 fn mirrored_instances() {
@@ -242,11 +256,11 @@ fn mirrored_instances() {
         });
         let shown = maps[0].discs().filter(|texel| texel.depth > 0.0).count();
         assert!(shown > 1000, "{sides:?}: {shown} texels");
-        let texels = maps[0].discs().zip(maps[1].discs());
-        let differ = texels.filter(|(a, b)| (a.depth - b.depth).abs() > 0.02 * a.depth).count();
-        // The order of a triangle's corners decides where it is cut, and so what a texel at a hole's edge shows.
-        let few = if sides == Sides::Auto { 0 } else { shown / 100 };
-        assert!(differ <= few, "{sides:?}: {differ} of {shown} texels");
+        // The order of a triangle's corners decides where it is cut, and so what a texel beside an empty one shows.
+        let texels = away_from_empty_ones(&maps);
+        assert!(texels.len() > shown / 4, "{sides:?}: {} of {shown} texels", texels.len());
+        let differ = texels.iter().filter(|[a, b]| (a - b).abs() > 0.02 * a).count();
+        assert_eq!(differ, 0, "{sides:?}: of {} texels", texels.len());
         mirrored.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|corners| corners.swap(1, 2));
     }
 }
@@ -256,11 +270,7 @@ fn masked_room() -> Scene {
     let mut rng = Pcg64::seed_from_u64(4);
     let mut scene = Scene { name: "masked room".to_owned(), materials: vec![Material::default()], ..Scene::default() };
     let walls = box_inside(Vec3::splat(-4.0), Vec3::splat(4.0));
-    scene.meshes.push(SceneMesh {
-        positions: walls.as_flattened().iter().map(|p| p.to_array()).collect(),
-        indices: (0..3 * walls.len() as u32).collect(),
-        ..SceneMesh::default()
-    });
+    scene.meshes.push(mesh_of(&walls));
     let modes = [wgpu::AddressMode::Repeat, wgpu::AddressMode::MirrorRepeat, wgpu::AddressMode::ClampToEdge];
     for number in 0..9 {
         let (width, height) = (rng.random_range(1..9), rng.random_range(1..9));
@@ -295,37 +305,9 @@ fn masked_room() -> Scene {
     scene
 }
 
-/// At most a tenth more wrong than the ideal, and no wrong texel away from a silhouette.
-fn assert_true(scene: &Scene, position: Vec3, resolution: u32, samples: usize) {
-    let light = light_for(scene, position);
-    let truth = Truth::new(scene, &light, samples, 1);
-    let made = Made::new(gpu(), scene, light, &descriptor(resolution)).unwrap();
-    let figures = made.figures(gpu(), &truth);
-    let (wrong, ideal) = (figures.shadow.error.wrong_ppm, figures.ideal.wrong_ppm);
-    println!("{} at {resolution}: wrong {wrong:.0}, ideal {ideal:.0}, {:?}", scene.name, figures.map);
-    assert!(wrong <= 1.1 * ideal, "{}: {wrong} of a million are wrong, ideally {ideal}", scene.name);
-    assert_eq!(figures.map.strays, 0, "{}: {:?}", scene.name, figures.map);
-    // Without the holes it would be wrong by far.
-    let whole = Made::new(gpu(), &scene.without_holes(), light, &descriptor(resolution)).unwrap();
-    let values = gpu().shadow_values(&whole.shadows, whole.light, &truth.inputs());
-    assert!(truth.wrong_ppm(&values) > 1.2 * wrong, "{} has no holes that matter", scene.name);
-}
-
 #[test]
 fn a_room_is_as_true_as_resolution_allows() {
     for resolution in [128, 256] {
-        assert_true(&masked_room(), Vec3::new(0.1, 0.2, -0.1), resolution, 50_000);
-    }
-}
-
-#[test]
-fn scenes_are_as_true_as_resolution_allows() {
-    let Some(folder) = scenes_dir() else {
-        eprintln!("no scenes: set DP_SCENES to a folder with .glb files to test on them too");
-        return;
-    };
-    for name in ["house_masked.glb", "alpha_modes.glb"] {
-        let Ok(scene) = Scene::load(&folder.join(name)) else { continue };
-        assert_true(&scene, Vec3::from(known_lights(name)[0]), 256, 50_000);
+        assert_holes_are_true(&masked_room(), Vec3::new(0.1, 0.2, -0.1), resolution, 50_000);
     }
 }

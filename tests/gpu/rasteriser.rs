@@ -89,24 +89,3 @@ fn debug_random() {
         }
     }
 }
-
-#[test]
-fn debug_rooms() {
-    use dual_paraboloid::compare::{fill, measure};
-    for name in ["hall", "few-large", "carbon_cage", "interior_pandora", "dutch_ship", "long-hall"] {
-        let file = format!("{}/{name}.glb", std::env::var("DP_SCENES").unwrap());
-        let scene = measure::find_scene(if std::path::Path::new(&file).exists() { &file } else { name }).unwrap();
-        let (light, _) = measure::choose_light(&scene, None, None);
-        let mut casters = Casters::new(&gpu().device);
-        fill(&mut casters, gpu(), &scene, Sides::Auto).unwrap();
-        let mut shadows = PointShadows::tuned(&gpu().device, &descriptor(1024), &Tuning { small: Some(12), ..tuning() }).unwrap();
-        shadows.add(light).unwrap();
-        shadows.stop_after(dual_paraboloid::Stage::Bin);
-        gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters)).unwrap();
-        let tiles: Vec<u32> = gpu().read(shadows.tile_counters());
-        let mut counts: Vec<u32> = tiles.chunks(2).map(|t| t[0]).collect();
-        counts.sort();
-        let over = |n: u32| counts.iter().filter(|&&c| c > n).count();
-        println!("{name}: {:?} max {} sum {} over 64 {} 128 {} 256 {} 512 {} 1024 {}", gpu().statistics(&shadows), counts[counts.len()-1], counts.iter().sum::<u32>(), over(64), over(128), over(256), over(512), over(1024));
-    }
-}

@@ -1,28 +1,18 @@
 //! The route leaves out only what can't change the map.
 
-use crate::common::{Map, descriptor, gpu, map, soup, unrouted_map};
+use crate::claims::{assert_exact_without_room, assert_routed_is_unrouted};
+use crate::common::{gpu, map, mesh_of, soup};
+use crate::hard_cases::scene;
 use crate::watertight::shell;
 use dual_paraboloid::compare::fill;
 use dual_paraboloid::compare::procedural;
-use dual_paraboloid::compare::scene::{Scene, known_lights, scenes_dir};
-use dual_paraboloid::{Casters, PointLight, PointShadows, Sides};
+use dual_paraboloid::{Casters, PointLight, Sides};
 use glam::{Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-pub fn assert_same(casters: &mut Casters, light: PointLight, resolution: u32, name: &str) {
-    let routed = map(casters, light, resolution);
-    let differences = routed.differences(&unrouted_map(casters, light, resolution));
-    assert!(
-        differences.is_empty(),
-        "{name} at {resolution}: {} texels differ, as {:?}",
-        differences.len(),
-        &differences[..differences.len().min(3)]
-    );
-}
-
 /// Random triangles from slivers to walls.
-fn random_soup(rng: &mut Pcg64, count: usize) -> Vec<[Vec3; 3]> {
+pub fn random_soup(rng: &mut Pcg64, count: usize) -> Vec<[Vec3; 3]> {
     let mut point = |size: f32| {
         Vec3::new(rng.random_range(-size..size), rng.random_range(-size..size), rng.random_range(-size..size))
     };
@@ -45,7 +35,7 @@ fn random_scenes() {
             range: 100.0,
             ..Default::default()
         };
-        assert_same(&mut casters, light, resolution, "a soup");
+        assert_routed_is_unrouted(&mut casters, light, resolution, "a soup");
     }
 }
 
@@ -68,30 +58,7 @@ fn closed_pieces_with_the_light_outside() {
             range: 100.0,
             ..Default::default()
         };
-        assert_same(&mut soup(&triangles, Sides::Auto), light, 300, "shells");
-    }
-}
-
-#[test]
-fn every_scene() {
-    let Some(folder) = scenes_dir() else {
-        eprintln!("no scenes: set DP_SCENES to a folder with .glb files to test on them too");
-        return;
-    };
-    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    files.retain(|path| path.extension().is_some_and(|e| e == "glb"));
-    files.sort();
-    for path in files {
-        let scene = Scene::load(&path).unwrap();
-        let mut casters = Casters::new(&gpu().device);
-        fill(&mut casters, gpu(), &scene, Sides::Auto).unwrap();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let (low, high) = scene.bounds().unwrap();
-        for position in known_lights(&name).iter().take(2) {
-            let range = low.distance(high) * 2.0;
-            let light = PointLight { position: Vec3::from(*position), range, near: range * 1e-5, ..Default::default() };
-            assert_same(&mut casters, light, 512, &name);
-        }
+        assert_routed_is_unrouted(&mut soup(&triangles, Sides::Auto), light, 300, "shells");
     }
 }
 
@@ -101,7 +68,7 @@ fn the_hall() {
     let mut casters = Casters::new(&gpu().device);
     fill(&mut casters, gpu(), &scene, Sides::Auto).unwrap();
     let light = PointLight { position: scene.lights[0].position, range: 60.0, ..Default::default() };
-    assert_same(&mut casters, light, 1024, "the hall");
+    assert_routed_is_unrouted(&mut casters, light, 1024, "the hall");
 }
 
 #[test]

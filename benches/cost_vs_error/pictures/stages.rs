@@ -77,9 +77,13 @@ impl Row {
 
     /// Beginning and end of each stage.
     fn bars(&self) -> Vec<(f64, f64)> {
-        let Some(Stages { route, split, depth }) = self.stages else { return Vec::new() };
-        let ends = [route, route + split, route + split + depth].map(milliseconds);
-        [0.0, ends[0], ends[1]].into_iter().zip(ends).collect()
+        let Some(stages) = self.stages else { return Vec::new() };
+        let mut start = 0.0;
+        let bar = |time| {
+            let end = start + milliseconds(time);
+            (std::mem::replace(&mut start, end), end)
+        };
+        stages.times().map(bar).to_vec()
     }
 
     fn end(&self) -> f64 {

@@ -1,29 +1,37 @@
 //! What the lookups in a cube bind (`shaders/compare/cube_lookup.wgsl`).
 
-use super::cube_map::CubeMap;
-use super::lookup::ConstantBias;
+use super::cube_map::{CubeMap, DepthMapping};
+use super::lookup::{Bias, Lookup};
 use crate::gpu;
 use crate::light::PointLight;
+use crate::view::axes;
 use glam::Vec3;
-use std::f32::consts::SQRT_2;
 
 const SHADER: &str = include_str!("../../../shaders/compare/cube_lookup.wgsl");
 
-/// The lookups' text, for the bind group number `group`.
-pub(super) fn text(group: u32) -> String {
-    SHADER.replace("CUBE_GROUP", &group.to_string())
+/// The lookups' text, for the bind group number `group` and for lights with an orientation or only without.
+pub(super) fn text(group: u32, turned: bool) -> String {
+    SHADER.replace("CUBE_GROUP", &group.to_string()).replace("CUBE_TURNED", &turned.to_string())
 }
 
 /// A light as the lookups read it; twin of `CubeLight`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 struct CubeRecord {
-    position: Vec3,
-    near: f32,
+    right: Vec3,
     range: f32,
+    up: Vec3,
+    half_width: f32,
+    forward: Vec3,
+    texel: f32,
+    position: Vec3,
+    depth_scale: f32,
+    depth_offset: f32,
     depth_bias: f32,
     normal_bias: f32,
-    texel: f32,
+    plane_ray_bias: f32,
+    plane_normal_bias: f32,
+    padding: [u32; 3],
 }
 
 #[derive(Debug)]
@@ -31,7 +39,7 @@ pub(super) struct CubeLookup {
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     light: wgpu::Buffer,
-    resolution: u32,
+    record: CubeRecord,
 }
 
 impl CubeLookup {
@@ -57,29 +65,60 @@ impl CubeLookup {
             wgpu::BindingResource::Sampler(&sampler),
             light.as_entire_binding(),
         ];
-        Self {
-            group: gpu::bind_group(device, "compare::cube_lookup", &layout, &resources),
-            layout,
-            light,
-            resolution: map.resolution(),
+        let mut record = CubeRecord {
+            half_width: map.half_width(),
+            texel: 2.0 * map.half_width() / map.resolution() as f32,
+            ..bytemuck::Zeroable::zeroed()
+        };
+        for lookup in [Lookup::CubeHardware, Lookup::CubePlane] {
+            record.set_bias(lookup, lookup.default_bias().unwrap_or_default());
         }
+        Self { group: gpu::bind_group(device, "compare::cube_lookup", &layout, &resources), layout, light, record }
     }
 
     pub(super) fn bind_group(&self) -> (&wgpu::BindGroup, &wgpu::BindGroupLayout) {
         (&self.group, &self.layout)
     }
 
-    pub(super) fn write(&self, queue: &wgpu::Queue, light: &PointLight, bias: ConstantBias) {
-        let texel = 2.0 / self.resolution as f32;
-        let record = CubeRecord {
-            position: light.position,
-            near: light.near,
+    /// Bytes on the GPU.
+    pub(super) fn memory(&self) -> u64 {
+        self.light.size()
+    }
+
+    /// Describes the light that the map was made of.
+    pub(super) fn set_light(&mut self, queue: &wgpu::Queue, light: &PointLight, depth: DepthMapping) {
+        let [right, up, forward] = axes(light.orientation);
+        self.record = CubeRecord {
+            right,
             range: light.range,
-            depth_bias: bias.depth,
-            normal_bias: bias.normal * texel * SQRT_2,
-            texel,
+            up,
+            forward,
+            position: light.position,
+            depth_scale: depth.scale,
+            depth_offset: depth.offset,
+            ..self.record
         };
-        queue.write_buffer(&self.light, 0, bytemuck::bytes_of(&record));
+        self.write(queue);
+    }
+
+    /// Sets the bias of one lookup.
+    pub(super) fn set_bias(&mut self, queue: &wgpu::Queue, lookup: Lookup, bias: Bias) {
+        self.record.set_bias(lookup, bias);
+        self.write(queue);
+    }
+
+    fn write(&self, queue: &wgpu::Queue) {
+        queue.write_buffer(&self.light, 0, bytemuck::bytes_of(&self.record));
+    }
+}
+
+impl CubeRecord {
+    fn set_bias(&mut self, lookup: Lookup, bias: Bias) {
+        match lookup {
+            Lookup::CubeHardware => (self.depth_bias, self.normal_bias) = (bias.depth, bias.normal),
+            Lookup::CubePlane => (self.plane_ray_bias, self.plane_normal_bias) = (bias.ray, bias.normal),
+            _ => {}
+        }
     }
 }
 

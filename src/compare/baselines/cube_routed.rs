@@ -4,13 +4,12 @@
 use std::ops::Range;
 
 use super::cube_lookup::CubeLookup;
-use super::cube_map::{CubeMap, FACES};
+use super::cube_map::{CubeDepth, CubeMap, DepthMapping, FACES};
 use super::instanced::{INSTANCED_VIEW, InstancedView, depth_pass};
-use super::lookup::ConstantBias;
 use crate::casters::{Casters, VERTEX_SIZE};
 use crate::gpu::{self, Binding};
 use crate::light::PointLight;
-use crate::view::SLOT;
+use crate::view::{SLOT, axes};
 use glam::Vec3;
 
 const CASTERS: &str = include_str!("../../../shaders/casters.wgsl");
@@ -35,14 +34,18 @@ const ENTRY_SIZE: u64 = 12 * FACES.len() as u64;
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 struct RouteView {
-    position: Vec3,
+    right: Vec3,
     near: f32,
+    up: Vec3,
     range: f32,
+    forward: Vec3,
+    half_width: f32,
+    position: Vec3,
     resolution: f32,
     first_chunk: u32,
     end_chunk: u32,
     list_capacity: u32,
-    padding: [u32; 3],
+    padding: u32,
 }
 
 /// Arguments of an indirect indexed draw.
@@ -59,8 +62,8 @@ struct DrawIndexed {
 /// The faces' draws, whose counts the route fills in.
 type Arguments = [DrawIndexed; FACES.len()];
 
-/// One compute pass that appends each triangle to the lists of the faces it may change, then six indirect draws. The
-/// light's orientation and coverage don't matter to it.
+/// One compute pass that appends each triangle to the lists of the faces it may change, then six indirect draws. Always
+/// all directions, whatever the light's coverage.
 #[derive(Debug)]
 pub struct CubeRouted {
     map: CubeMap,
@@ -91,7 +94,7 @@ impl CubeRouted {
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let face_views = gpu::buffer(device, "compare::faces", FACES.len() as u64 * SLOT, usage);
         let face_view = gpu::dynamic(&face_views, size_of::<InstancedView>() as u64);
-        let map = CubeMap::new(device, resolution);
+        let map = CubeMap::new(device, resolution, CubeDepth::Float32);
         Self {
             lookup: CubeLookup::new(device, &map),
             map,
@@ -113,12 +116,11 @@ impl CubeRouted {
         encoder: &mut wgpu::CommandEncoder,
         casters: &mut Casters,
         light: &PointLight,
-        bias: ConstantBias,
     ) {
         casters.update(device, queue, encoder);
         let chunks = self.fit(device, casters);
         self.bind(device, casters);
-        self.jobs.write(queue, light, self.map.resolution(), &chunks);
+        self.jobs.write(queue, light, &self.map, &chunks);
         self.write_faces(queue, light);
         for (job, stretch) in chunks.iter().enumerate() {
             let job = (job as u64 * SLOT) as u32;
@@ -126,7 +128,7 @@ impl CubeRouted {
             let load = if job == 0 { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
             self.record_faces(encoder, casters, job, load);
         }
-        self.lookup.write(queue, light, bias);
+        self.lookup.set_light(queue, light, DepthMapping::infinite(light.near));
     }
 
     /// Makes room, and cuts the chunks into stretches that the lists surely have room for.
@@ -172,7 +174,8 @@ impl CubeRouted {
     fn write_faces(&self, queue: &wgpu::Queue, light: &PointLight) {
         let mut bytes = vec![0u8; FACES.len() * SLOT as usize];
         for (face, slot) in FACES.iter().zip(bytes.chunks_exact_mut(SLOT as usize)) {
-            slot[..size_of::<InstancedView>()].copy_from_slice(bytemuck::bytes_of(&face.view(light)));
+            let view = face.view(light, self.map.half_width(), DepthMapping::infinite(light.near));
+            slot[..size_of_val(&view)].copy_from_slice(bytemuck::bytes_of(&view));
         }
         queue.write_buffer(&self.face_views, 0, &bytes);
     }
@@ -210,10 +213,15 @@ impl CubeRouted {
         &self.lookup
     }
 
+    pub(super) fn lookup_mut(&mut self) -> &mut CubeLookup {
+        &mut self.lookup
+    }
+
     /// Bytes on the GPU beside the map.
     pub(super) fn working_memory(&self) -> u64 {
         let jobs = &self.jobs;
-        self.face_views.size() + jobs.views.size() + jobs.arguments.size() + jobs.lists.size()
+        let lists = jobs.views.size() + jobs.arguments.size() + jobs.lists.size();
+        self.face_views.size() + lists + self.lookup.memory()
     }
 }
 
@@ -244,21 +252,26 @@ impl JobBuffers {
     }
 
     /// Writes each job's view, and its draws without any triangle.
-    fn write(&self, queue: &wgpu::Queue, light: &PointLight, resolution: u32, chunks: &[Range<u32>]) {
+    fn write(&self, queue: &wgpu::Queue, light: &PointLight, map: &CubeMap, chunks: &[Range<u32>]) {
         let mut views = vec![0u8; chunks.len() * SLOT as usize];
         let mut arguments = views.clone();
         let start = self.empty_draws();
+        let [right, up, forward] = axes(light.orientation);
         let slots = views.chunks_exact_mut(SLOT as usize).zip(arguments.chunks_exact_mut(SLOT as usize));
         for (stretch, (view_slot, argument_slot)) in chunks.iter().zip(slots) {
             let view = RouteView {
-                position: light.position,
+                right,
                 near: light.near,
+                up,
                 range: light.range,
-                resolution: resolution as f32,
+                forward,
+                half_width: map.half_width(),
+                position: light.position,
+                resolution: map.resolution() as f32,
                 first_chunk: stretch.start,
                 end_chunk: stretch.end,
                 list_capacity: self.capacity,
-                padding: [0; 3],
+                padding: 0,
             };
             view_slot[..size_of_val(&view)].copy_from_slice(bytemuck::bytes_of(&view));
             argument_slot[..size_of_val(&start)].copy_from_slice(bytemuck::bytes_of(&start));

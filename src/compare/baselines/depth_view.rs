@@ -23,8 +23,8 @@ impl DepthView {
         let map = wide_map(device, resolution);
         Self {
             target: map.create_view(&wgpu::TextureViewDescriptor::default()),
+            draws: InstancedDraws::new(device, PassKind::OneView, map.format(), 1, size_of::<InstancedView>() as u64),
             map,
-            draws: InstancedDraws::new(device, PassKind::OneView, 1, size_of::<InstancedView>() as u64),
         }
     }
 

@@ -72,15 +72,21 @@ pub(super) struct InstancedDraws {
 }
 
 impl InstancedDraws {
-    /// For `view_count` views of `view_size` bytes.
-    pub(super) fn new(device: &wgpu::Device, kind: PassKind, view_count: u64, view_size: u64) -> Self {
+    /// For `view_count` views of `view_size` bytes, to depth of a format.
+    pub(super) fn new(
+        device: &wgpu::Device,
+        kind: PassKind,
+        format: wgpu::TextureFormat,
+        view_count: u64,
+        view_size: u64,
+    ) -> Self {
         let layout = gpu::layout(device, "compare::views", wgpu::ShaderStages::VERTEX, &[gpu::Binding::Uniform]);
         let slot = view_size.next_multiple_of(SLOT);
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let views = gpu::buffer(device, "compare::views", view_count * slot, usage);
         Self {
             kind,
-            pipelines: Pipelines::new(device, kind, &layout),
+            pipelines: Pipelines::new(device, kind, format, &layout),
             group: gpu::bind_group(device, "compare::views", &layout, &[gpu::dynamic(&views, view_size)]),
             views,
             slot,
@@ -220,7 +226,7 @@ impl Facing {
 struct Pipelines([wgpu::RenderPipeline; 3]);
 
 impl Pipelines {
-    fn new(device: &wgpu::Device, kind: PassKind, views: &wgpu::BindGroupLayout) -> Self {
+    fn new(device: &wgpu::Device, kind: PassKind, format: wgpu::TextureFormat, views: &wgpu::BindGroupLayout) -> Self {
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("dual_paraboloid::compare::instanced"),
             bind_group_layouts: &[Some(views), Some(&SceneBuffers::layout(device))],
@@ -228,7 +234,7 @@ impl Pipelines {
         });
         let module = gpu::shader(device, "compare::instanced", kind.text());
         let facings = [Facing::Both, Facing::Front, Facing::MirroredFront];
-        Self(facings.map(|facing| pipeline(device, kind, &layout, &module, facing)))
+        Self(facings.map(|facing| pipeline(device, kind, format, &layout, &module, facing)))
     }
 
     fn get(&self, facing: Facing) -> &wgpu::RenderPipeline {
@@ -239,6 +245,7 @@ impl Pipelines {
 fn pipeline(
     device: &wgpu::Device,
     kind: PassKind,
+    format: wgpu::TextureFormat,
     layout: &wgpu::PipelineLayout,
     module: &wgpu::ShaderModule,
     facing: Facing,
@@ -269,7 +276,7 @@ fn pipeline(
             buffers: &[Some(vertices), Some(instances)],
         },
         primitive: facing.primitive(),
-        depth_stencil: Some(gpu::depth_state()),
+        depth_stencil: Some(wgpu::DepthStencilState { format, ..gpu::depth_state() }),
         multisample: wgpu::MultisampleState::default(),
         fragment: (kind == PassKind::VertexWarp).then_some(fragment),
         multiview_mask: kind.multiview_mask(),

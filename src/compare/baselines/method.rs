@@ -7,6 +7,12 @@ use super::{CubeMultiview, Lookup};
 use crate::compare::gpu::Gpu;
 use serde::Serialize;
 
+pub(super) const NO_CUBE_COMPUTE: &str = "the exact rasteriser on six faces comes with the exact maps";
+pub(super) const NO_MULTIVIEW: &str =
+    "it needs a device with multiview over six layers, requested with wgpu::Features::MULTIVIEW";
+const WRONG_MULTIVIEW: &str =
+    "software drivers draw to the wrong face what they clip in a multiview pass (seen with Mesa 22.3)";
+
 /// A way to make a point light's shadow map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -19,10 +25,15 @@ pub enum Method {
     Cube,
     /// Six passes into a cube map, everything drawn in each.
     CubeUnculled,
+    /// [`Self::Cube`] with texels of two bytes.
+    #[serde(rename = "cube-16")]
+    Cube16,
     /// Six passes into a cube map, over triangles chosen by this library's routing.
     CubeRouted,
     /// One pass into all faces of a cube map; for devices with [`wgpu::Features::MULTIVIEW`].
     CubeMultiview,
+    /// A cube map by a rasteriser in compute. Its place in tables only: there is none yet.
+    CubeCompute,
     /// One plain view of the whole scene: the least that drawing each triangle once costs.
     DepthView,
 }
@@ -39,13 +50,15 @@ pub enum Budget {
 
 impl Method {
     /// Every method.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Paraboloid,
         Self::VertexWarp,
         Self::Cube,
         Self::CubeUnculled,
+        Self::Cube16,
         Self::CubeRouted,
         Self::CubeMultiview,
+        Self::CubeCompute,
         Self::DepthView,
     ];
 
@@ -57,8 +70,10 @@ impl Method {
             Self::VertexWarp => "vertex-warp",
             Self::Cube => "cube",
             Self::CubeUnculled => "cube-unculled",
+            Self::Cube16 => "cube-16",
             Self::CubeRouted => "cube-routed",
             Self::CubeMultiview => "cube-multiview",
+            Self::CubeCompute => "cube-compute",
             Self::DepthView => "depth-view",
         }
     }
@@ -66,15 +81,25 @@ impl Method {
     /// Whether the map is a cube of six faces; else it is two squares side by side.
     #[must_use]
     pub fn is_cube(self) -> bool {
-        matches!(self, Self::Cube | Self::CubeUnculled | Self::CubeRouted | Self::CubeMultiview)
+        !matches!(self, Self::Paraboloid | Self::VertexWarp | Self::DepthView)
     }
 
-    /// Whether the device can make this map, and make it right: Mesa's software driver draws to the wrong face what
-    /// it clips in a multiview pass (seen with Mesa 22.3).
+    /// Whether there is a map of this method on the device: nothing in [`Self::left_out`].
     #[must_use]
     pub fn is_available(self, gpu: &Gpu) -> bool {
+        self.left_out(gpu).is_none()
+    }
+
+    /// Why there is no map of this method on the device, or no right one, for reports; `None` where there is.
+    #[must_use]
+    pub fn left_out(self, gpu: &Gpu) -> Option<&'static str> {
         let software = gpu.info.device_type == wgpu::DeviceType::Cpu;
-        self != Self::CubeMultiview || (CubeMultiview::is_supported(&gpu.device) && !software)
+        match self {
+            Self::CubeCompute => Some(NO_CUBE_COMPUTE),
+            Self::CubeMultiview if !CubeMultiview::is_supported(&gpu.device) => Some(NO_MULTIVIEW),
+            Self::CubeMultiview if software => Some(WRONG_MULTIVIEW),
+            _ => None,
+        }
     }
 
     /// Texels across one square of this method's map, to set against a pair of `pair` texels across each.
@@ -94,6 +119,22 @@ impl Method {
         if self.is_cube() { 6 } else { 2 }
     }
 
+    /// Bytes of a texel of the map.
+    #[must_use]
+    pub fn bytes_per_texel(self) -> u64 {
+        if self == Self::Cube16 { 2 } else { 4 }
+    }
+
+    /// The method whose maps have the same contents, of which this one's differ by rounding at most: what is fitted to
+    /// the one is fitted to the other.
+    #[must_use]
+    pub fn same_map(self) -> Self {
+        match self {
+            Self::CubeUnculled | Self::CubeRouted | Self::CubeMultiview => Self::Cube,
+            _ => self,
+        }
+    }
+
     /// Whether a lookup reads its map.
     #[must_use]
     pub fn is_read_by(self, lookup: Lookup) -> bool {
@@ -105,9 +146,10 @@ impl Method {
     pub fn lookups(self) -> &'static [Lookup] {
         match self {
             Self::Paraboloid => &[Lookup::Paraboloid],
-            Self::VertexWarp => &[Lookup::VertexWarp],
+            Self::VertexWarp => &[Lookup::VertexWarp, Lookup::VertexWarpShipped],
+            Self::Cube16 => &[Lookup::CubeHardware, Lookup::CubeShipped],
             Self::DepthView => &[],
-            _ => &[Lookup::CubeHardware, Lookup::CubePlane],
+            _ => &[Lookup::CubeHardware, Lookup::CubePlane, Lookup::CubeShipped],
         }
     }
 }

@@ -1,6 +1,7 @@
 //! This library's own maps, made anew at every recording.
 
 use crate::casters::Casters;
+use crate::compare::gpu::Gpu;
 use crate::light::PointLight;
 use crate::{Error, LightId, PointShadows, PointShadowsDescriptor, Stage};
 
@@ -37,8 +38,8 @@ impl Pair {
         Ok(())
     }
 
-    pub(super) fn stop_after(&mut self, stage: Stage) {
-        self.shadows.stop_after(stage);
+    pub(super) fn stop_after(&mut self, gpu: &Gpu, stage: Stage) {
+        self.shadows.stop_after(&gpu.device, &gpu.queue, stage);
     }
 
     pub(super) fn shadows(&self) -> &PointShadows {

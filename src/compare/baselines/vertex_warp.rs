@@ -4,7 +4,7 @@ use super::cube::in_range;
 use super::cube_lookup::{READ_ONLY_STORAGE, comparison_sampler, depth_texture, lookup_entry};
 use super::culling::OrientedBox;
 use super::instanced::{InstancedDraws, PassKind};
-use super::lookup::ConstantBias;
+use super::lookup::{Bias, Lookup};
 use super::scene_buffers::SceneBuffers;
 use super::wide_map;
 use crate::gpu;
@@ -62,25 +62,25 @@ struct WarpRecord {
     right: Vec3,
     range: f32,
     up: Vec3,
-    bias: f32,
+    depth_bias: f32,
     forward: Vec3,
-    padding_0: u32,
+    normal_bias: f32,
     position: Vec3,
-    padding_1: u32,
+    padding: u32,
 }
 
 impl WarpRecord {
-    fn new(light: &PointLight, bias: ConstantBias) -> Self {
+    fn new(light: &PointLight, bias: Bias) -> Self {
         let [right, up, forward] = axes(light.orientation);
         Self {
             right,
             range: light.range,
             up,
-            bias: bias.depth,
+            depth_bias: bias.depth,
             forward,
-            padding_0: 0,
+            normal_bias: bias.normal,
             position: light.position,
-            padding_1: 0,
+            padding: 0,
         }
     }
 }
@@ -95,6 +95,7 @@ pub struct VertexWarp {
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     light: wgpu::Buffer,
+    record: WarpRecord,
 }
 
 impl VertexWarp {
@@ -111,13 +112,15 @@ impl VertexWarp {
             wgpu::BindingResource::Sampler(&comparison_sampler(device)),
             light.as_entire_binding(),
         ];
+        let bias = Lookup::VertexWarp.default_bias().unwrap_or_default();
         Self {
-            draws: InstancedDraws::new(device, PassKind::VertexWarp, 2, size_of::<WarpView>() as u64),
+            draws: InstancedDraws::new(device, PassKind::VertexWarp, map.format(), 2, size_of::<WarpView>() as u64),
             group: gpu::bind_group(device, "compare::vertex_warp", &layout, &resources),
             map,
             target,
             layout,
             light,
+            record: WarpRecord::new(&PointLight::default(), bias),
         }
     }
 
@@ -129,7 +132,6 @@ impl VertexWarp {
         encoder: &mut wgpu::CommandEncoder,
         scene: &SceneBuffers,
         light: &PointLight,
-        bias: ConstantBias,
     ) {
         let views = [false, true].map(|back| WarpView::new(light, back));
         let reached = in_range(scene, light);
@@ -146,8 +148,22 @@ impl VertexWarp {
             self.draws.draw(&mut pass, scene, hemisphere, hemisphere);
         }
         drop(pass);
-        let record = WarpRecord::new(light, bias);
-        queue.write_buffer(&self.light, 0, bytemuck::bytes_of(&record));
+        self.record = WarpRecord::new(light, self.bias());
+        self.write(queue);
+    }
+
+    /// Sets the bias of [`Lookup::VertexWarp`].
+    pub(super) fn set_bias(&mut self, queue: &wgpu::Queue, bias: Bias) {
+        (self.record.depth_bias, self.record.normal_bias) = (bias.depth, bias.normal);
+        self.write(queue);
+    }
+
+    fn bias(&self) -> Bias {
+        Bias { depth: self.record.depth_bias, normal: self.record.normal_bias, ..Bias::default() }
+    }
+
+    fn write(&self, queue: &wgpu::Queue) {
+        queue.write_buffer(&self.light, 0, bytemuck::bytes_of(&self.record));
     }
 
     /// The pair, the front hemisphere in the left half. The depth is 1 less the distance over the range.
@@ -162,7 +178,7 @@ impl VertexWarp {
 
     /// Bytes on the GPU beside the map.
     pub(super) fn working_memory(&self) -> u64 {
-        self.draws.memory()
+        self.draws.memory() + self.light.size()
     }
 }
 

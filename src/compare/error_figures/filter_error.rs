@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::shadow_error::{FAR_TEXELS, boundary_within};
+use super::shadow_error::{FAR_TEXELS, is_even_within};
 use super::{Receiver, per_million};
 use crate::Filter;
 use crate::compare::area_light::shares_of_sphere;
@@ -23,42 +23,42 @@ const LARGER: f64 = 1.25;
 /// Figures about answers where everything within the filter's kernel is lit, or dark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FilterError {
-    /// Answers below [`LIT`] where all is lit, in parts per million of all samples.
+    /// Answers below [`LIT`] where all is lit, in parts per million of the receivers that count.
     pub acne_ppm: f64,
-    /// Answers above 1 - [`LIT`] where all is dark, in parts per million of all samples.
+    /// Answers above 1 - [`LIT`] where all is dark, in parts per million of the receivers that count.
     pub underlight_ppm: f64,
 }
 
 /// Figures about `values`, what a lookup with this filter answered in a map of this geometry at the truth's receivers.
 ///
-/// All within the kernel is lit, or dark, where no boundary or crease is within its reach
-/// ([`boundary_within`](super::boundary_within)). With [`Filter::Soft`] the receiver sees all of a sphere a quarter
-/// larger, or nothing, and the reach is that of the four texels, and in the dark that of the penumbra of what the ray
-/// from the light's middle meets first.
+/// All within the kernel is lit, or dark, where no boundary and no neighbouring face of a crease is within its reach;
+/// what filters make of creases is the [`CreaseError`](super::CreaseError). With [`Filter::Soft`] the receiver sees all of
+/// a sphere a quarter larger, or nothing, and the reach is that of the four texels, and in the dark that of the penumbra
+/// of what the ray from the light's middle meets first. Only receivers that count are judged.
 ///
 /// # Panics
 /// When there are not as many values as receivers.
 #[must_use]
 pub fn filter_error(truth: &Truth, values: &[f32], geometry: &MapGeometry, filter: Filter) -> FilterError {
     assert_eq!(values.len(), truth.receivers.len(), "the lists differ in length");
+    let light = truth.view.position;
     let judged = truth.receivers.par_iter().zip(&truth.lit).zip(values);
+    let judged = judged.filter(|((receiver, _), _)| receiver.counts(light));
+    let samples = judged.clone().count();
     let wrong = judged.filter(|&((receiver, lit), value)| {
         let suspect = if *lit { *value < LIT } else { *value > 1.0 - LIT };
         suspect && is_even(truth, receiver, *lit, geometry, filter)
     });
     let wrong: Vec<bool> = wrong.map(|((_, lit), _)| *lit).collect();
     let acne = wrong.iter().filter(|lit| **lit).count();
-    FilterError {
-        acne_ppm: per_million(acne, values.len()),
-        underlight_ppm: per_million(wrong.len() - acne, values.len()),
-    }
+    FilterError { acne_ppm: per_million(acne, samples), underlight_ppm: per_million(wrong.len() - acne, samples) }
 }
 
 /// Whether everything within the kernel is as lit, or as dark, as the receiver.
 fn is_even(truth: &Truth, receiver: &Receiver, lit: bool, geometry: &MapGeometry, filter: Filter) -> bool {
     let Truth { view, reference, .. } = truth;
     let reach = reach(truth, receiver, geometry, filter);
-    if boundary_within(reach, receiver, lit, reference, view, geometry) {
+    if !is_even_within(reach, receiver, lit, reference, view, geometry) {
         return false;
     }
     let Filter::Soft { light_radius, .. } = filter else { return true };
@@ -99,8 +99,8 @@ mod tests {
 
     /// A wall and a sheet before half of it.
     fn truth() -> Truth {
-        let wall = quad(Vec3::new(-3.0, -3.0, 3.0), Vec3::X * 6.0, Vec3::Y * 6.0);
-        let sheet = quad(Vec3::new(0.0, -3.0, 1.5), Vec3::X * 3.0, Vec3::Y * 6.0);
+        let wall = quad(Vec3::new(-3.0, -3.0, 3.0), Vec3::Y * 6.0, Vec3::X * 6.0);
+        let sheet = quad(Vec3::new(0.0, -3.0, 1.5), Vec3::Y * 6.0, Vec3::X * 3.0);
         let instances = (0..2).map(|mesh| SceneInstance { mesh, transform: Affine3A::IDENTITY }).collect();
         let scene = Scene { meshes: vec![wall, sheet], instances, ..Scene::default() };
         let light: PointLight = light_for(&scene, Vec3::ZERO);

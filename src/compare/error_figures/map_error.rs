@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::per_million;
+use super::{per_million, quantile};
 use crate::compare::ideal::{IdealMap, MapGeometry, NO_TRIANGLE};
 use crate::compare::reference::{Hit, Reference, View};
 use crate::paraboloid::double as paraboloid;
@@ -166,12 +166,6 @@ fn depth_errors(verdicts: &[TexelVerdict]) -> Vec<f64> {
         .collect();
     errors.par_sort_unstable_by(f64::total_cmp);
     errors
-}
-
-/// The value below which a share of a sorted list lies (the nearest rank); 0 for an empty list.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let rank = (share * sorted.len() as f64).ceil() as usize;
-    sorted.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
 }
 
 /// For each wrong surface, hole and phantom its distance from a silhouette, in texels.
@@ -395,14 +389,6 @@ mod tests {
         assert_eq!(scene.error().phantoms, whole.phantoms + 1);
         scene.stored[wall] = 0.0;
         assert_eq!(scene.error().holes, whole.holes + 1);
-    }
-
-    #[test]
-    fn quantiles_are_by_nearest_rank() {
-        let sorted: Vec<f64> = (1..=150).map(f64::from).collect();
-        assert_eq!([0.5, 0.99, 1.0].map(|share| quantile(&sorted, share)), [75.0, 149.0, 150.0]);
-        assert_eq!(quantile(&[], 0.5), 0.0);
-        assert_eq!(quantile(&[3.0], 0.99), 3.0);
     }
 
     #[test]

@@ -5,27 +5,31 @@ use rand::Rng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
-use crate::compare::ideal::{IdealMap, Lookup};
 use crate::compare::reference::{Reference, View};
-use crate::paraboloid::double as paraboloid;
 
-/// Receivers whose normal is closer than this to a right angle with the direction to the light, as the cosine, aren't
-/// drawn: such surfaces get next to no light, whatever their shadow.
-const MIN_INCIDENCE: f64 = 0.02;
+/// How many receivers a published error has, the same for every method.
+pub const SAMPLES: usize = 1_000_000;
+
+/// Cosine between normal and direction to the light up to which a receiver is *grazing*: next to no light arrives there,
+/// whatever its shadow, so it counts by its energy alone.
+pub const GRAZING: f64 = 0.02;
 
 /// A triangle is cut until the distances from the light to its parts vary by at most this factor, so that drawing
 /// uniformly over a part and rejecting takes few draws.
 const DISTANCE_RATIO: f64 = 2.0;
 
-/// Draws for one receiver before it is given up: only a scene whose every surface is edge-on needs so many.
+/// Draws for one receiver before it is given up: only a scene whose every surface is out of reach needs so many.
 const MAX_DRAWS: usize = 10_000;
+
+/// Receivers drawn for each that isn't grazing, at most.
+const MAX_GRAZING: usize = 16;
 
 /// A point on a surface of the scene, as a renderer's shader would have it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Receiver {
     /// Position in the world, rounded to single precision. The truth is judged here, not at the point that was drawn.
     pub position: Vec3,
-    /// Unit geometric normal in the world; corners are anticlockwise around it.
+    /// Unit geometric normal in the world, on the side that is asked about: the one that the light or the camera is on.
     pub normal: Vec3,
     /// Index of the triangle it was drawn on.
     pub triangle: u32,
@@ -40,6 +44,18 @@ impl Receiver {
         self.position.as_dvec3() - light_position
     }
 
+    /// Cosine between the normal and the direction to the light; negative if its side faces away. NaN at the light.
+    #[must_use]
+    pub fn incidence(&self, light_position: DVec3) -> f64 {
+        -self.normal.as_dvec3().dot(self.relative(light_position).normalize())
+    }
+
+    /// Whether it counts wherever receivers are counted: its side faces the light with a cosine above [`GRAZING`].
+    #[must_use]
+    pub fn counts(&self, light_position: DVec3) -> bool {
+        self.incidence(light_position) > GRAZING
+    }
+
     /// How far the position may be off the surfaces it was meant to lie on, in world units: its rounding, and that of
     /// double precision.
     #[must_use]
@@ -48,16 +64,31 @@ impl Receiver {
     }
 }
 
-/// Draws `n` receivers over all triangles, casters or not, with probability in proportion to area / distance^2.
+/// Draws receivers over all triangles, casters or not, with probability in proportion to area / distance^2, until `n`
+/// of them count ([`Receiver::counts`]).
 ///
-/// Kept are points outside of holes, with `w >= near` in their hemisphere, within the light's range, on surfaces whose
-/// normal has a cosine of more than 0.02 (either sign) with the direction to the light. The weight is exact for
-/// triangles of any size: they are cut until the distance varies little over a part, and drawn by rejection within it. The same seed
-/// gives the same receivers, on any number of threads. Fewer than `n` come back where next to no surface qualifies.
+/// Drawn are points that a renderer lights: on the front of a triangle or on either side of a double-sided one
+/// ([`Reference::with_double_sided`]), the side that faces the light; outside of holes; within the light's range, and no
+/// nearer than `near`, so that maps hold them in every orientation. The grazing ones that were drawn on the way are
+/// among them: all together are a sample without a cut-off, whose cosines weigh them by the energy that arrives.
+///
+/// The weight is exact for triangles of any size: they are cut until the distance varies little over a part, and drawn by
+/// rejection within it. The same seed gives the same receivers, on any number of threads. Fewer than `n` count where
+/// next to no surface qualifies.
 #[must_use]
 pub fn sample_receivers(reference: &Reference, view: &View, n: usize, seed: u64) -> Vec<Receiver> {
     let sampler = Sampler::new(reference, view);
-    (0..n).into_par_iter().filter_map(|i| sampler.draw(&mut Pcg64::new(u128::from(seed), i as u128))).collect()
+    let draw = |i: usize| sampler.draw(&mut Pcg64::new(u128::from(seed), i as u128));
+    let (mut receivers, mut counted, mut draws) = (Vec::with_capacity(n), 0, 0);
+    // As many as are missing at a time: the last one drawn is the first with which `n` count.
+    while counted < n && draws < MAX_GRAZING * n && !sampler.pieces.is_empty() {
+        let round = draws..draws + n - counted;
+        let first = receivers.len();
+        draws = round.end;
+        receivers.par_extend(round.into_par_iter().filter_map(draw));
+        counted += receivers[first..].iter().filter(|receiver| receiver.counts(view.position)).count();
+    }
+    receivers
 }
 
 /// For each receiver, whether the light reaches it: a segment test in double precision at the rounded position.
@@ -66,27 +97,15 @@ pub fn sample_receivers(reference: &Reference, view: &View, n: usize, seed: u64)
 /// own triangle nor a surface that the position lies on within its rounding ([`Reference::occluded`]).
 #[must_use]
 pub fn truth(receivers: &[Receiver], reference: &Reference, view: &View) -> Vec<bool> {
-    receivers
-        .par_iter()
-        .map(|receiver| {
-            let target = receiver.relative(view.position);
-            let (x, _) = view.to_hemisphere(target);
-            let t_min = view.clip_distance(x.normalize());
-            !reference.occluded(target, Some(receiver.triangle), t_min, receiver.slack(view.position))
-        })
-        .collect()
+    receivers.par_iter().map(|receiver| is_lit(receiver, reference, view)).collect()
 }
 
-/// What the lookup answers for each receiver on a ray-cast map: the input of the ideal's [`super::shadow_error()`].
-#[must_use]
-pub fn ideal_shadows(receivers: &[Receiver], map: &IdealMap, lookup: &Lookup) -> Vec<f32> {
-    receivers
-        .par_iter()
-        .map(|receiver| {
-            let (position, normal) = (receiver.position.as_dvec3(), receiver.normal.as_dvec3());
-            lookup.shadow(|texel| map.depths[texel], position, normal) as f32
-        })
-        .collect()
+/// The [`truth`] of one receiver.
+pub(in crate::compare) fn is_lit(receiver: &Receiver, reference: &Reference, view: &View) -> bool {
+    let target = receiver.relative(view.position);
+    let (x, _) = view.to_hemisphere(target);
+    let t_min = view.clip_distance(x.normalize());
+    !reference.occluded(target, Some(receiver.triangle), t_min, receiver.slack(view.position))
 }
 
 /// A part of a triangle over which the distance to the light varies little.
@@ -159,24 +178,25 @@ impl<'a> Sampler<'a> {
     }
 
     fn receiver(&self, triangle: u32, point: DVec3) -> Option<Receiver> {
-        let normal = self.reference.normal(triangle);
-        if normal.dot(point).abs() <= MIN_INCIDENCE * point.length() || self.reference.is_hole(triangle, point) {
+        if self.reference.is_hole(triangle, point) {
             return None;
         }
+        let normal = self.reference.normal(triangle);
+        let towards_light = if normal.dot(point) < 0.0 { normal } else { -normal };
         let exact = self.view.position + point;
         let position = exact.as_vec3();
         let rounding = position.as_dvec3().distance(exact);
-        let receiver = Receiver { position, normal: normal.as_vec3(), triangle, rounding };
-        let (x, _) = self.view.to_hemisphere(receiver.relative(self.view.position));
-        let held = paraboloid::homogeneous_w(x) >= self.view.near && x.length() <= self.view.range;
-        held.then_some(receiver)
+        let receiver = Receiver { position, normal: towards_light.as_vec3(), triangle, rounding };
+        let distance = receiver.relative(self.view.position).length();
+        (distance >= self.view.near && distance <= self.view.range).then_some(receiver)
     }
 }
 
 /// The parts of a triangle that receivers may lie on, each with its weight.
 fn weighted_pieces(reference: &Reference, view: &View, triangle: u32) -> Vec<(Piece, f64)> {
     let triangle_corners = &reference.triangles()[triangle as usize];
-    if reference.normal(triangle) == DVec3::ZERO || !triangle_corners.iter().all(|corner| corner.is_finite()) {
+    // The light, at the origin, is in the plane of a triangle without area.
+    if !triangle_corners.iter().all(|corner| corner.is_finite()) || !reference.shows(triangle, DVec3::ZERO) {
         return Vec::new();
     }
     let mut pieces = Vec::new();
@@ -186,7 +206,7 @@ fn weighted_pieces(reference: &Reference, view: &View, triangle: u32) -> Vec<(Pi
         let farthest = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
         let nearest = shortest_distance(&corners, view);
         if farthest < nearest || nearest > view.range {
-            // All of it is nearer than any w >= near allows, or out of range.
+            // All of it is nearer than `near`, or out of range.
         } else if farthest > DISTANCE_RATIO * nearest {
             rest.extend(piece.halves(&corners));
         } else {
@@ -197,14 +217,13 @@ fn weighted_pieces(reference: &Reference, view: &View, triangle: u32) -> Vec<(Pi
     pieces
 }
 
-/// Distance to the nearest point of a triangle that may hold a receiver, from below: `w >= near` means
-/// `t >= near / 2`.
+/// Distance to the nearest point of a triangle that may hold a receiver.
 fn shortest_distance(corners: &[DVec3; 3], view: &View) -> f64 {
-    distance_to_triangle(corners).max(0.5 * view.near)
+    distance_to_triangle(corners).max(view.near)
 }
 
 /// Distance from the origin to a triangle of non-zero area.
-fn distance_to_triangle(corners: &[DVec3; 3]) -> f64 {
+pub(in crate::compare) fn distance_to_triangle(corners: &[DVec3; 3]) -> f64 {
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     let inside = (0..3).all(|i| corners[i].cross(corners[(i + 1) % 3]).dot(normal) >= 0.0);
     if inside {
@@ -224,6 +243,7 @@ fn distance_to_segment(a: DVec3, b: DVec3) -> f64 {
 mod tests {
     use super::*;
     use crate::compare::test_shapes::{box_triangles, random_vector, sheet};
+    use crate::paraboloid::double as paraboloid;
     use glam::DQuat;
     use rand::SeedableRng;
 
@@ -251,7 +271,7 @@ mod tests {
         scene.extend(sheet(DVec3::new(-1e4, 3.0, -1e4), DVec3::X * 2e4, DVec3::Z * 2e4));
         let reference = Reference::new(&scene, None, light);
         let receivers = sample_receivers(&reference, &view, 100_000, 7);
-        assert_eq!(receivers.len(), 100_000);
+        assert_eq!(receivers.iter().filter(|receiver| receiver.counts(light)).count(), 100_000);
         let reach = 30.0;
         let weight = |r: f64, h: f64| (1.0 + (r / h).powi(2)).ln();
         let within = |h: f64, floor: bool| {
@@ -283,13 +303,17 @@ mod tests {
         scene.extend(sheet(light, DVec3::X, DVec3::Y));
         let reference = Reference::new(&scene, None, light);
         let receivers = sample_receivers(&reference, &view, 20_000, 3);
-        assert_eq!(receivers.len(), 20_000);
+        assert_eq!(receivers.iter().filter(|receiver| receiver.counts(light)).count(), 20_000);
+        assert!(receivers.last().is_some_and(|receiver| receiver.counts(light)));
+        let grazing = receivers.len() - 20_000;
+        assert!((200..2000).contains(&grazing), "{grazing}");
         for receiver in &receivers {
             let relative = receiver.relative(light);
             let (x, _) = view.to_hemisphere(relative);
             assert!(paraboloid::homogeneous_w(x) >= 0.5 && x.length() <= 3.0);
-            let cosine = reference.normal(receiver.triangle).dot(relative.normalize());
-            assert!(cosine.abs() > 0.0199);
+            let cosine = reference.normal(receiver.triangle).dot(relative.normalize()).abs();
+            assert!(cosine > 0.0 && (receiver.incidence(light) - cosine).abs() < 1e-6);
+            assert_eq!(receiver.counts(light), receiver.incidence(light) > 0.02);
             assert!(reference.height(relative, receiver.triangle).abs() <= receiver.rounding + 1e-12);
             assert!(receiver.rounding < 2e-4);
         }
@@ -310,6 +334,39 @@ mod tests {
             let reference = Reference::new(&scene, None, DVec3::ZERO);
             assert!(sample_receivers(&reference, &view(DVec3::ZERO), 10, 1).is_empty());
         }
+    }
+
+    /// How many of 1000 receivers lie on the sheet beside a floor that faces the light, half as many if both are alike.
+    fn on_sheet(faces_light: bool, double_sided: bool) -> usize {
+        let floor = |y: f64| sheet(DVec3::new(-1.0, y, -1.0), DVec3::Z * 2.0, DVec3::X * 2.0);
+        // Upward, away from the light.
+        let mut beside = floor(1.0);
+        if faces_light {
+            beside.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        let reference = Reference::new(&[floor(-1.0), beside].concat(), None, DVec3::ZERO).with_double_sided(vec![
+            false,
+            false,
+            double_sided,
+            double_sided,
+        ]);
+        let receivers = sample_receivers(&reference, &view(DVec3::ZERO), 1000, 1);
+        assert!(
+            receivers.iter().all(|receiver| receiver.incidence(DVec3::ZERO) > 0.0),
+            "the normal is on the lit side"
+        );
+        receivers.iter().filter(|receiver| receiver.triangle >= 2).count()
+    }
+
+    #[test]
+    fn a_wall_seen_from_behind_counts_for_nothing() {
+        assert_eq!(on_sheet(false, false), 0);
+        assert!((400..600).contains(&on_sheet(true, false)));
+    }
+
+    #[test]
+    fn a_double_sided_sheet_counts_on_both_sides() {
+        assert!([true, false].into_iter().all(|faces_light| (400..600).contains(&on_sheet(faces_light, true))));
     }
 
     /// A square over a floor: dark is what lies in its central projection.

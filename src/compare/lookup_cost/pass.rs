@@ -4,6 +4,7 @@ use crate::PointLight;
 use crate::compare::gpu::Gpu;
 use crate::compare::shot::Shot;
 use glam::Vec3;
+use serde::Serialize;
 use wgpu::util::{DeviceExt, TextureDataOrder};
 
 const PASS: &str = include_str!("../../../shaders/compare/lookup_pass.wgsl");
@@ -11,24 +12,53 @@ const PASS: &str = include_str!("../../../shaders/compare/lookup_pass.wgsl");
 /// A share of light in four bytes, so that it can be read back like any map.
 const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
-/// Recorded positions and normals, and what the passes draw to.
+/// Pixels across and down of a workgroup of the compute pass.
+const WORKGROUP: u32 = 8;
+
+/// What kind of pass asks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PassStage {
+    /// A compute pass that writes to a storage texture, as deferred renderers light.
+    Compute,
+    /// A fragment pass with a color target.
+    Fragment,
+}
+
+impl PassStage {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Compute, Self::Fragment];
+
+    /// The name for reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Compute => "compute pass",
+            Self::Fragment => "fragment pass",
+        }
+    }
+}
+
+/// What a camera sees, position and normal of each pixel, and what the passes write to.
 #[derive(Debug)]
 pub(super) struct Screen {
-    layout: wgpu::BindGroupLayout,
-    group: wgpu::BindGroup,
+    size: (u32, u32),
+    /// Of the recorded textures, and of these with the target.
+    fragment: wgpu::BindGroup,
+    compute: wgpu::BindGroup,
     target: wgpu::Texture,
     view: wgpu::TextureView,
 }
 
-/// A question as a pipeline, and the number of the map that it is put to.
+/// A question as a pipeline, for screens of any size.
 #[derive(Debug)]
-pub(super) struct ShadePass {
-    pipeline: wgpu::RenderPipeline,
-    pub(super) map: usize,
+pub(super) enum ShadePass {
+    Compute(wgpu::ComputePipeline),
+    Fragment(wgpu::RenderPipeline),
 }
 
 /// A map's bind group with its layout, where it has one.
-type Bound<'a> = Option<(&'a wgpu::BindGroup, &'a wgpu::BindGroupLayout)>;
+pub(super) type Bound<'a> = Option<(&'a wgpu::BindGroup, &'a wgpu::BindGroupLayout)>;
 
 impl Screen {
     pub(super) fn new(gpu: &Gpu, shot: &Shot, light: &PointLight) -> Self {
@@ -41,23 +71,54 @@ impl Screen {
         }
         let (positions, normals): (Vec<Vec3>, Vec<Vec3>) = pixels.into_iter().unzip();
         let recorded = [&positions, &normals].map(|values| recorded(gpu, shot, values));
-        let layout = layout(device);
-        let resources = recorded.each_ref().map(wgpu::BindingResource::TextureView);
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::STORAGE_BINDING
+            | wgpu::TextureUsages::COPY_SRC;
         let target = device.create_texture(&descriptor(shot, TARGET, usage));
+        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+        let group = |stage, views: &[&wgpu::TextureView]| {
+            let resources: Vec<_> = views.iter().map(|view| wgpu::BindingResource::TextureView(view)).collect();
+            crate::gpu::bind_group(device, "compare::screen", &layout(device, stage), &resources)
+        };
         Self {
-            group: crate::gpu::bind_group(device, "compare::screen", &layout, &resources),
-            layout,
-            view: target.create_view(&wgpu::TextureViewDescriptor::default()),
+            size: (shot.width, shot.height),
+            fragment: group(PassStage::Fragment, &[&recorded[0], &recorded[1]]),
+            compute: group(PassStage::Compute, &[&recorded[0], &recorded[1], &view]),
             target,
+            view,
         }
+    }
+
+    /// Pixels across and down.
+    pub(super) fn size(&self) -> (u32, u32) {
+        self.size
     }
 
     pub(super) fn target(&self) -> &wgpu::Texture {
         &self.target
     }
 
-    pub(super) fn draw(&self, encoder: &mut wgpu::CommandEncoder, shade: &ShadePass, bound: Bound) {
+    /// Records one pass over all pixels.
+    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, shade: &ShadePass, bound: Bound) {
+        match shade {
+            ShadePass::Compute(pipeline) => self.dispatch(encoder, pipeline, bound),
+            ShadePass::Fragment(pipeline) => self.draw(encoder, pipeline, bound),
+        }
+    }
+
+    fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, pipeline: &wgpu::ComputePipeline, bound: Bound) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("dual_paraboloid::compare::light"),
+            ..Default::default()
+        });
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, bound.map(|(group, _)| group), &[]);
+        pass.set_bind_group(1, &self.compute, &[]);
+        let (width, height) = self.size;
+        pass.dispatch_workgroups(width.div_ceil(WORKGROUP), height.div_ceil(WORKGROUP), 1);
+    }
+
+    fn draw(&self, encoder: &mut wgpu::CommandEncoder, pipeline: &wgpu::RenderPipeline, bound: Bound) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("dual_paraboloid::compare::shade"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -68,49 +129,75 @@ impl Screen {
             })],
             ..Default::default()
         });
-        pass.set_pipeline(&shade.pipeline);
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, bound.map(|(group, _)| group), &[]);
-        pass.set_bind_group(1, &self.group, &[]);
+        pass.set_bind_group(1, &self.fragment, &[]);
         pass.draw(0..3, 0..1);
     }
 }
 
 impl ShadePass {
-    /// A pass that evaluates the `expression` over `position` and `normal`, with the `text` of its lookup.
-    pub(super) fn new(gpu: &Gpu, screen: &Screen, map: usize, bound: Bound, text: &str, expression: &str) -> Self {
+    /// A pass that evaluates the `expression` over `position` and `normal`, with the `text` of its lookup, in maps that
+    /// are bound like `bound`.
+    pub(super) fn new(gpu: &Gpu, stage: PassStage, bound: Bound, text: &str, expression: &str) -> Self {
         let device = &gpu.device;
         let module = crate::gpu::shader(device, "compare::shade", module(text, expression));
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("dual_paraboloid::compare::shade"),
-            bind_group_layouts: &[bound.map(|(_, layout)| layout), Some(&screen.layout)],
+            bind_group_layouts: &[bound.map(|(_, layout)| layout), Some(&layout(device, stage))],
             ..Default::default()
         });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("dual_paraboloid::compare::shade"),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("screen"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: None,
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("shade"),
-                compilation_options: Default::default(),
-                targets: &[Some(TARGET.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
-        Self { pipeline, map }
+        match stage {
+            PassStage::Compute => Self::Compute(compute_pipeline(device, &layout, &module)),
+            PassStage::Fragment => Self::Fragment(render_pipeline(device, &layout, &module)),
+        }
     }
 }
 
-/// The complete module of a pass.
+fn compute_pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::PipelineLayout,
+    module: &wgpu::ShaderModule,
+) -> wgpu::ComputePipeline {
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("dual_paraboloid::compare::light"),
+        layout: Some(layout),
+        module,
+        entry_point: Some("light_pixels"),
+        compilation_options: Default::default(),
+        cache: None,
+    })
+}
+
+fn render_pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::PipelineLayout,
+    module: &wgpu::ShaderModule,
+) -> wgpu::RenderPipeline {
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("dual_paraboloid::compare::shade"),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("screen"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some("shade"),
+            compilation_options: Default::default(),
+            targets: &[Some(TARGET.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// The complete module of a pass of either kind.
 pub(super) fn module(text: &str, expression: &str) -> String {
     [text, &PASS.replace("EXPRESSION", expression)].concat()
 }
@@ -141,19 +228,27 @@ fn descriptor(
     }
 }
 
-fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let recorded = |binding| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::FRAGMENT,
-        ty: wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        },
-        count: None,
+fn layout(device: &wgpu::Device, stage: PassStage) -> wgpu::BindGroupLayout {
+    let visibility = match stage {
+        PassStage::Compute => wgpu::ShaderStages::COMPUTE,
+        PassStage::Fragment => wgpu::ShaderStages::FRAGMENT,
     };
+    let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    let view_dimension = wgpu::TextureViewDimension::D2;
+    let recorded = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable: false },
+        view_dimension,
+        multisampled: false,
+    };
+    let target = wgpu::BindingType::StorageTexture {
+        access: wgpu::StorageTextureAccess::WriteOnly,
+        format: TARGET,
+        view_dimension,
+    };
+    let mut entries = vec![entry(0, recorded), entry(1, recorded)];
+    entries.extend((stage == PassStage::Compute).then(|| entry(2, target)));
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("dual_paraboloid::compare::screen"),
-        entries: &[recorded(0), recorded(1)],
+        entries: &entries,
     })
 }

@@ -8,10 +8,14 @@ use glam::Vec3;
 use super::light_for;
 use crate::PointLight;
 use crate::compare::procedural;
-use crate::compare::scene::{Scene, SceneError, known_lights, scene_files, scenes_dir};
+use crate::compare::scene::{Camera, Scene, SceneError, known_lights, scene_files, scenes_dir, stated_camera};
 
 /// The names that [`find_scene`] knows; `N` is a number, with `k` or `m` for thousands or millions.
 pub const PROCEDURAL: &str = "hall, few-large, many-small, many-small-N, dense-N (say dense-1m), long-hall";
+
+/// The scenes made in code that methods are compared on, those of a million triangles and more last.
+pub const SCENES_IN_CODE: [&str; 7] =
+    ["few-large", "many-small", "long-hall", "hall", "dense-1m", "dense-4m", "dense-17m"];
 
 /// Objects of `many-small` where no number is given.
 const MANY_SMALL: usize = 2000;
@@ -25,6 +29,12 @@ pub fn find_scene(name: &str) -> Result<Scene, SceneError> {
         Some(procedural) => Ok(Scene { name: name.to_owned(), ..procedural.make() }),
         None => Scene::load(Path::new(name)),
     }
+}
+
+/// Whether [`find_scene`] makes the scene of that name in code.
+#[must_use]
+pub fn is_made_in_code(name: &str) -> bool {
+    Procedural::parse(name).is_some()
 }
 
 /// The scenes that are wanted, each by a name that [`find_scene`] takes: a procedural scene, a file, or part of the
@@ -138,6 +148,14 @@ pub fn choose_light(scene: &Scene, position: Option<Vec3>, range: Option<f32>) -
     (PointLight { range, ..whole }, choice)
 }
 
+/// The camera to measure with: the scene's [`stated_camera`], unless there is none or the light was `Given`, perhaps in
+/// another room; then [`Scene::suggest_camera`].
+#[must_use]
+pub fn choose_camera(scene: &Scene, light: &PointLight, choice: LightChoice) -> Camera {
+    let stated = stated_camera(&scene.name).filter(|_| choice != LightChoice::Given);
+    stated.unwrap_or_else(|| scene.suggest_camera(light.position))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -178,5 +196,16 @@ mod tests {
         assert_eq!(choose_light(&scene, None, None).1, LightChoice::Suggested);
         scene.name = "barn_lamp".to_owned();
         assert_eq!(choose_light(&scene, None, None).1, LightChoice::Known);
+    }
+
+    #[test]
+    fn the_camera_is_the_stated_one_but_for_a_given_light() {
+        let scene = find_scene("few-large").expect("a procedural scene");
+        let (light, choice) = choose_light(&scene, None, None);
+        assert_eq!(Some(choose_camera(&scene, &light, choice)), stated_camera("few-large"));
+        let suggested = scene.suggest_camera(light.position);
+        assert_eq!(choose_camera(&scene, &light, LightChoice::Given), suggested);
+        let unknown = Scene { name: "unknown".to_owned(), ..scene };
+        assert_eq!(choose_camera(&unknown, &light, choice), suggested);
     }
 }

@@ -1,0 +1,86 @@
+//! Errors in maps of random orientations.
+
+use crate::Error;
+use crate::compare::baselines::{Baseline, Bias, DeviceScene, Lookup};
+use crate::compare::measure::Judge;
+use glam::Quat;
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use std::f32::consts::TAU;
+
+/// Random rotations, all alike likely: the same for the same `seed`, and the first of many are the few.
+///
+/// Uniform by Shoemake, "Uniform Random Rotations", Graphics Gems III (1992).
+#[must_use]
+pub fn orientations(count: usize, seed: u64) -> Vec<Quat> {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let mut next = || {
+        let [share, a, b]: [f32; 3] = std::array::from_fn(|_| random.random_range(0.0..1.0));
+        let ((sin_a, cos_a), (sin_b, cos_b)) = ((TAU * a).sin_cos(), (TAU * b).sin_cos());
+        let (short, long) = ((1.0 - share).sqrt(), share.sqrt());
+        Quat::from_xyzw(short * sin_a, short * cos_a, long * sin_b, long * cos_b).normalize()
+    };
+    (0..count).map(|_| next()).collect()
+}
+
+/// How wrong a lookup is in maps of several orientations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TurnedErrors {
+    /// Wrong answers of each orientation, in parts per million.
+    pub wrong_ppm: Vec<f64>,
+    /// The bias that was found best in the first one, for all; `None` of lookups whose bias is fixed.
+    pub bias: Option<Bias>,
+}
+
+impl TurnedErrors {
+    /// Wrong answers over all orientations, in parts per million: as many receivers were asked in each.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.wrong_ppm.iter().sum::<f64>() / self.wrong_ppm.len().max(1) as f64
+    }
+}
+
+/// Asks a lookup in maps of all `orientations`, of which the first is that of the judge's light. `None` for a lookup that
+/// doesn't read the map.
+///
+/// # Errors
+/// [`Error::InvalidLight`].
+pub fn turned_errors(
+    judge: &mut Judge,
+    baseline: &mut Baseline,
+    lookup: Lookup,
+    scene: &mut DeviceScene,
+    orientations: &[Quat],
+) -> Result<Option<TurnedErrors>, Error> {
+    let Some(answers) = judge.answers(baseline, lookup, scene)? else { return Ok(None) };
+    let mut wrong_ppm = vec![judge.truth().wrong_ppm(&answers.values)];
+    for &orientation in orientations.iter().skip(1) {
+        let values = judge.answers_turned(baseline, lookup, scene, orientation)?;
+        wrong_ppm.extend(values.map(|values| judge.truth().wrong_ppm(&values)));
+    }
+    Ok(Some(TurnedErrors { wrong_ppm, bias: answers.bias }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn they_are_repeatable_and_everywhere() {
+        let many = orientations(4000, 7);
+        assert_eq!(orientations(8, 7), many[..8]);
+        assert_ne!(orientations(8, 8), many[..8]);
+        assert!(many.iter().all(|turn| turn.is_normalized()));
+        // Where an axis goes is uniform over the sphere, so that each coordinate is uniform over -1..1.
+        for axis in Vec3::AXES {
+            for coordinate in Vec3::AXES {
+                let mut eighths = [0; 8];
+                for turn in &many {
+                    eighths[(4.0 * ((*turn * axis).dot(coordinate) + 1.0)).clamp(0.0, 7.0) as usize] += 1;
+                }
+                assert!(eighths.iter().all(|count| (420..580).contains(count)), "{axis} {coordinate}: {eighths:?}");
+            }
+        }
+    }
+}
