@@ -106,15 +106,7 @@ struct Triangle {
 /// Cuts a mesh whose values have been checked. Triangles of no area are left out: they cast nothing.
 pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
     let Welded { positions, corners, drawn, places, sources } = weld(mesh);
-    let mut triangles: Vec<Triangle> = corners
-        .iter()
-        .zip(0..)
-        .filter(|(_, number)| drawn[*number as usize])
-        .map(|(&corners, number)| {
-            let [a, b, c] = corners.map(|vertex| positions[vertex as usize]);
-            Triangle { corners, centre: (a + b + c) / 3.0, closed: false, piece: 0, number, turned: false }
-        })
-        .collect();
+    let mut triangles = triangles(&positions, &corners, &drawn);
     let by_place = corners_by_place(&corners, &places);
     let edges = Edges::new(&by_place, positions.len());
     // Holes show back faces, and what is turned away now may not be later.
@@ -163,6 +155,31 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
     cutter.out
 }
 
+/// The closed piece that a triangle belongs to, and which way the piece is wound.
+#[cfg(feature = "compare")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct ClosedPiece {
+    /// Number of one of the piece's triangles, the same for all of them.
+    pub(crate) triangle: u32,
+    /// Whether fronts (corners anticlockwise) are on the inside.
+    pub(crate) inside_out: bool,
+}
+
+/// For each triangle of an opaque mesh whose values have been checked, the closed piece that it belongs to. `None` for
+/// those of open pieces and for those of no area.
+#[cfg(feature = "compare")]
+pub(crate) fn closed_pieces(positions: &[[f32; 3]], indices: Indices) -> Vec<Option<ClosedPiece>> {
+    let Welded { positions, corners, drawn, .. } = weld(&CasterMesh { positions, indices, ..Default::default() });
+    let mut triangles = triangles(&positions, &corners, &drawn);
+    find_closed_pieces(&positions, &mut triangles, &Edges::new(&corners, positions.len()), &drawn);
+    let mut pieces = vec![None; corners.len()];
+    for &Triangle { number, piece, turned, .. } in triangles.iter().filter(|triangle| triangle.closed) {
+        // Closed pieces have been turned outward.
+        pieces[number as usize] = Some(ClosedPiece { triangle: piece, inside_out: turned });
+    }
+    pieces
+}
+
 /// Puts the triangles of closed pieces first and returns their number.
 fn closed_first(triangles: &mut [Triangle]) -> usize {
     triangles.sort_by_key(|t| !t.closed);
@@ -180,6 +197,15 @@ struct Welded {
     places: Vec<u32>,
     /// One of the mesh's positions that each is.
     sources: Vec<u32>,
+}
+
+/// Those of the triangles that are drawn, of no known piece yet.
+fn triangles(positions: &[Vec3], corners: &[[u32; 3]], drawn: &[bool]) -> Vec<Triangle> {
+    let triangle = |(&corners, number): (&[u32; 3], u32)| {
+        let [a, b, c] = corners.map(|vertex| positions[vertex as usize]);
+        Triangle { corners, centre: (a + b + c) / 3.0, closed: false, piece: 0, number, turned: false }
+    };
+    corners.iter().zip(0..).filter(|(_, number)| drawn[*number as usize]).map(triangle).collect()
 }
 
 /// The triangles with vertices of the same position taken for one.
@@ -215,7 +241,6 @@ fn weld(mesh: &CasterMesh) -> Welded {
         }
         welded[v as usize] = positions.len() as u32 - 1;
     }
-    let triangle = |i: [u32; 3]| i.map(|v| welded[v as usize]);
     let casts = |c: &[u32; 3]| {
         if mesh.deforms {
             return c[0] != c[1] && c[1] != c[2] && c[2] != c[0];
@@ -223,6 +248,7 @@ fn weld(mesh: &CasterMesh) -> Welded {
         let [a, b, c] = c.map(|v| positions[v as usize].as_dvec3());
         (b - a).cross(c - a) != DVec3::ZERO
     };
+    let triangle = |corners: [u32; 3]| corners.map(|v| welded[v as usize]);
     let corners: Vec<[u32; 3]> = match mesh.indices {
         Indices::U16(list) => list.as_chunks().0.iter().map(|i: &[u16; 3]| triangle(i.map(u32::from))).collect(),
         Indices::U32(list) => list.as_chunks().0.iter().map(|&i: &[u32; 3]| triangle(i)).collect(),

@@ -69,6 +69,12 @@ impl Lookup {
         &self.group
     }
 
+    /// The lights' records.
+    #[cfg(feature = "compare")]
+    pub(crate) fn lights(&self) -> &wgpu::Buffer {
+        &self.lights
+    }
+
     /// Describes the light of a layer, or that there is none any more.
     pub(crate) fn set(&mut self, layer: u32, light: Option<&PointLight>, shape: &MapShape, normal_bias: f32) {
         let record =

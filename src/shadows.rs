@@ -515,6 +515,12 @@ impl PointShadows {
         (&self.workspace.state, self.recorded)
     }
 
+    /// The lights as the lookup reads them.
+    #[cfg(feature = "compare")]
+    pub(crate) fn light_records(&self) -> &wgpu::Buffer {
+        self.lookup.lights()
+    }
+
     /// The maps' triangles, `R32Uint`, laid out as [`Self::maps`]: the chunk in bits 8-31 and the place in it in bits 0-7;
     /// all bits set where there is none.
     #[cfg(feature = "compare")]

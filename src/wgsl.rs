@@ -19,6 +19,8 @@ const RESOLVE: &str = include_str!("../shaders/resolve.wgsl");
 const BIN: &str = include_str!("../shaders/bin.wgsl");
 const RASTERISE: &str = include_str!("../shaders/rasterise.wgsl");
 const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
+#[cfg(feature = "compare")]
+const WALK: &str = include_str!("../shaders/walk.wgsl");
 const FILTER: &str = include_str!("../shaders/filter.wgsl");
 
 /// WGSL to put before or after a renderer's own, for `dp_shadow(light, position, normal) -> f32` and the filters.
@@ -40,6 +42,14 @@ const FILTER: &str = include_str!("../shaders/filter.wgsl");
 #[must_use]
 pub fn lookup(group: u32) -> String {
     [PARABOLOID, &LOOKUP.replace("DP_GROUP", &group.to_string()), FILTER].concat()
+}
+
+/// The lookup with `dp_walk_shadow(light, position, normal)`, which asks the triangles where texels disagree.
+#[cfg(feature = "compare")]
+#[must_use]
+pub(crate) fn walk(group: u32) -> String {
+    let walk = WALK.replace("DP_GROUP", &group.to_string());
+    [lookup(group).as_str(), &walk].concat()
 }
 
 /// WGSL to put before or after a vertex shader that draws casters of its own, for
@@ -106,5 +116,7 @@ pub fn modules() -> Vec<(&'static str, String)> {
         ("caster", caster(0)),
         ("mask_copy", mask_copy()),
         ("lookup", lookup(0)),
+        #[cfg(feature = "compare")]
+        ("walk", walk(0)),
     ]
 }

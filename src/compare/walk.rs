@@ -5,9 +5,13 @@
 //! their triangles over the mesh towards the receiver's direction, and finds whether the surface that a texel saw stands
 //! before the receiver. [`double`] is what [`ideal`](super::ideal) is for the votes: the rule without rounding.
 
+mod device;
+mod ideal;
 mod surface;
 mod twins;
 
+pub use device::WalkGroup;
+pub use ideal::IdealWalks;
 pub use surface::Surface;
 pub use twins::{double, single};
 

@@ -180,6 +180,8 @@ macro_rules! twins {
             level: [bool; 4],
             /// Whether a texel holds the receiver's own surface.
             own_seen: bool,
+            /// Whether a texel that votes against has no triangle to ask.
+            lost: bool,
             /// Bounds of (receiver's distance / surface's distance - 1).
             over: $float,
             own: $float,
@@ -276,12 +278,17 @@ macro_rules! twins {
                 let own = margins.map(|margin| margin.abs() <= flat);
                 let margins = margins.map(|margin| margin / footprint);
                 let dark = margins.map(|margin| margin > bias);
-                let level = |k: usize| !dark[k] && margins[k].abs() < OWN.1 as $float * grazing;
+                let level = margins.map(|margin| margin <= bias && margin.abs() < OWN.1 as $float * grazing);
+                let numbers = texels.map(|(texel, _)| self.numbers[texel]);
+                // Of the caller's own casters.
+                let unnumbered = |k: &usize| numbers[*k] == NO_TRIANGLE && self.depths[texels[*k].0] > 0.0;
+                let unnumbered = || (0..4).filter(unnumbered);
                 First::Mixed(Quad {
-                    triangles: std::array::from_fn(|k| if own[k] { NO_TRIANGLE } else { self.numbers[texels[k].0] }),
+                    triangles: std::array::from_fn(|k| if own[k] { NO_TRIANGLE } else { numbers[k] }),
                     dark,
-                    level: std::array::from_fn(level),
-                    own_seen: own.contains(&true),
+                    level,
+                    own_seen: own.contains(&true) || unnumbered().any(|k| level[k]),
+                    lost: unnumbered().any(|k| dark[k]),
                     over: (OVER.0 as $float + OVER.1 as $float * grazing) * footprint + rounding,
                     own: -(OWN.0 as $float + OWN.1 as $float * grazing) * footprint,
                     nearest: self.view.near as $float * receiver.distance / receiver.w,
@@ -313,7 +320,7 @@ macro_rules! twins {
                 let distance = relative.length();
                 let ray = relative / distance;
                 let frame = walk_frame(self.light(), ray);
-                let (mut own, mut lost) = (quad.own_seen, false);
+                let (mut own, mut lost) = (quad.own_seen, quad.lost);
                 for k in 0..4 {
                     let number = quad.triangles[k];
                     if number == NO_TRIANGLE {
