@@ -51,20 +51,20 @@ struct DpChunk {
 // The ray from the light to a receiver as the third of three axes (Duff et al., "Building an Orthonormal Basis, Revisited",
 // JCGT 2017). Seen along it a walk is one in the plane, with the receiver at the origin; what rounding loses is 1e-7 rad,
 // however small a triangle is.
-struct DpFrame {
+struct DpWalkFrame {
     light: vec3<f32>,
     ray: vec3<f32>,
     s: f32,
     a: f32,
 }
 
-fn dp_walk_frame(light: vec3<f32>, ray: vec3<f32>) -> DpFrame {
+fn dp_walk_frame(light: vec3<f32>, ray: vec3<f32>) -> DpWalkFrame {
     let s = select(-1.0, 1.0, ray.z >= 0.0);
-    return DpFrame(light, ray, s, -1.0 / (s + ray.z));
+    return DpWalkFrame(light, ray, s, -1.0 / (s + ray.z));
 }
 
 // A point of the world by these axes.
-fn dp_walk_see(frame: DpFrame, point: vec3<f32>) -> vec3<f32> {
+fn dp_walk_see(frame: DpWalkFrame, point: vec3<f32>) -> vec3<f32> {
     let p = point - frame.light;
     let h = dot(p.xy, frame.ray.xy);
     let k = frame.a * h - p.z;
@@ -125,7 +125,7 @@ fn dp_walk_end(volume: f32, sides: f32, number: u32) -> DpWalk {
 }
 
 // Walks from a triangle over its neighbours towards the ray.
-fn dp_walk_from(start: u32, frame: DpFrame) -> DpWalk {
+fn dp_walk_from(start: u32, frame: DpWalkFrame) -> DpWalk {
     var number = start;
     let first = dp_walk_triangle(number);
     let vertices = vec3<u32>(dp_walk_vertex(first, 0u), dp_walk_vertex(first, 1u), dp_walk_vertex(first, 2u));
@@ -169,12 +169,12 @@ fn dp_walk_from(start: u32, frame: DpFrame) -> DpWalk {
         crossed = -sides.z;
     }
     if turned {
-        let from = q;
+        let end = q;
         q = p;
-        p = from;
-        let from_vertex = q_vertex;
+        p = end;
+        let end_vertex = q_vertex;
         q_vertex = p_vertex;
-        p_vertex = from_vertex;
+        p_vertex = end_vertex;
     }
     var beyond = dp_beyond[3u * first.index + edge];
     for (var step = 0u; step < DP_WALK_STEPS; step++) {

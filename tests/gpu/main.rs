@@ -20,5 +20,6 @@ mod misuse;
 mod rasteriser;
 mod routing;
 mod seam;
+mod walk;
 mod watertight;
 mod workgroups;

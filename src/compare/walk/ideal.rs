@@ -1,7 +1,7 @@
 //! The rule without rounding, on ray-cast maps: what it is right about at best.
 
 use super::{Surface, double};
-use crate::compare::ideal::{IdealMap, NORMAL_BIAS, NO_TRIANGLE};
+use crate::compare::ideal::{IdealMap, NO_TRIANGLE, NORMAL_BIAS};
 use crate::compare::measure::Truth;
 use crate::compare::scene::Scene;
 use glam::DVec3;

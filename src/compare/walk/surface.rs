@@ -70,7 +70,8 @@ impl Surface {
             self.chunks.push(Chunk { vertex, triangle });
         }
         let positions: Vec<[f32; 3]> = mesh.vertices.iter().map(|vertex| vertex.position.to_array()).collect();
-        self.vertices.extend(world_positions(&positions, instance.transform).into_iter().map(|position| position.as_vec3()));
+        self.vertices
+            .extend(world_positions(&positions, instance.transform).into_iter().map(|position| position.as_vec3()));
     }
 
     /// What a store has on the GPU after a recording.

@@ -112,7 +112,8 @@ fn abutting() -> SceneMesh {
 fn hard_cases() -> Vec<(&'static str, Scene)> {
     let mirrored = SceneInstance {
         mesh: 0,
-        transform: Affine3A::from_translation(Vec3::new(1.0, 0.3, 0.0)) * Affine3A::from_scale(Vec3::new(-0.6, 0.5, 0.4)),
+        transform: Affine3A::from_translation(Vec3::new(1.0, 0.3, 0.0))
+            * Affine3A::from_scale(Vec3::new(-0.6, 0.5, 0.4)),
     };
     let mut mirror = scene(vec![torus_knot(0.6, 120, 16), floor()]);
     mirror.instances.push(mirrored);

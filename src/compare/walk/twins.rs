@@ -266,9 +266,8 @@ macro_rules! twins {
                 let flat = FLAT as $float * grazing * footprint + rounding;
                 let (bias, spread) = (BIAS as $float + self.normal_bias as $float * grazing, 1.0 + grazing);
                 let surely_dark = bias + RAMP as $float * spread;
-                let margins = texels.map(|(texel, centre)| {
-                    self.depths[texel] / self.plane_depth(&receiver, centre) - 1.0
-                });
+                let margins =
+                    texels.map(|(texel, centre)| self.depths[texel] / self.plane_depth(&receiver, centre) - 1.0);
                 if margins.iter().all(|&margin| margin <= flat) {
                     return First::Even(1.0);
                 }
