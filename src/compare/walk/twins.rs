@@ -240,7 +240,7 @@ macro_rules! twins {
                 let near = self.view.near as $float;
                 let own = near / receiver.w;
                 let scale = near / receiver.normal.dot(receiver.position);
-                if !(scale.abs() < 1e36) {
+                if scale.is_nan() || scale.abs() >= 1e36 {
                     return own;
                 }
                 let depth = scale * receiver.normal.dot(paraboloid::unproject_scaled(p));
