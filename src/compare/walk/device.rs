@@ -1,6 +1,6 @@
 //! `shaders/walk.wgsl` on the device.
 
-use crate::compare::gpu::{Gpu, evaluation};
+use crate::compare::gpu::{Evaluator, Gpu, evaluation};
 use crate::maps::array_view;
 use crate::{Casters, LightId, PointShadows, gpu, wgsl};
 use glam::Vec3;
@@ -56,9 +56,20 @@ impl WalkGroup {
     /// What a WGSL expression over `position` and `normal` gives at each receiver, `LIGHT` in it being the light's index.
     #[must_use]
     pub fn values(&self, gpu: &Gpu, light: LightId, expression: &str, receivers: &[(Vec3, Vec3)]) -> Vec<f32> {
+        self.evaluator(gpu, light, expression, receivers).values(gpu, &[&self.group])
+    }
+
+    /// [`Self::values`] to be asked for again and again, with [`Self::bind_group`].
+    #[must_use]
+    pub fn evaluator(&self, gpu: &Gpu, light: LightId, expression: &str, receivers: &[(Vec3, Vec3)]) -> Evaluator {
         let expression = expression.replace("LIGHT", &format!("{}u", light.index()));
-        let text = [wgsl::walk(0), evaluation(&expression)].concat();
-        gpu.evaluate(&text, &[(&self.group, &self.layout)], receivers)
+        gpu.evaluator(&[wgsl::walk(0), evaluation(&expression)].concat(), &[&self.layout], receivers)
+    }
+
+    /// What the lookup and the walk read.
+    #[must_use]
+    pub fn bind_group(&self) -> &wgpu::BindGroup {
+        &self.group
     }
 
     /// What `dp_walk_shadow` says of each receiver.
