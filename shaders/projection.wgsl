@@ -28,11 +28,6 @@ fn scaled_direction(p: vec2<f32>) -> vec3<f32> {
     return dp_unproject_scaled(p);
 }
 
-// The third component of the directions of four texels of a column.
-fn scaled_directions_z(u: f32, v: vec4<f32>) -> vec4<f32> {
-    return 0.5 - 0.5 * (u * u + v * v);
-}
-
 // Whether edges between these corners are arcs no longer than `arc_bow` allows for.
 fn is_near(a: Corner, b: Corner, c: Corner) -> bool {
     return max(dot(a.map, a.map), max(dot(b.map, b.map), dot(c.map, c.map))) < 2.0;
@@ -54,10 +49,9 @@ fn slope_along_row(e: vec3<f32>, u: f32) -> f32 {
     return e.x - e.z * u;
 }
 
-// How much a plane's product with q may differ, within h of c along each axis, from that at c.
-fn spread(e: vec3<f32>, c: vec2<f32>, h: f32) -> f32 {
-    let slope = abs(e.xy - e.z * c);
-    return (slope.x + slope.y) * h + abs(e.z) * h * h;
+// How much a plane's product with q may differ, within h of c along the axes, from that at c.
+fn spread(e: vec3<f32>, c: vec2<f32>, h: vec2<f32>) -> f32 {
+    return dot(abs(e.xy - e.z * c), h) + 0.5 * abs(e.z) * dot(h, h);
 }
 
 // Whether anything is looked up as near to the axis as p: within the guard band's disc.

@@ -149,7 +149,7 @@ fn depth_at(triangle: Triangle, q: vec3<f32>) -> f32 {
 // The part of a row that a plane doesn't exclude, relative to its middle, which reaches `half` to either side.
 fn trimmed(span: vec2<f32>, e: vec3<f32>, middle: vec2<f32>, half: f32) -> vec2<f32> {
     let at = dot(e, scaled_direction(middle));
-    let bent = spread(vec3<f32>(0.0, 0.0, e.z), vec2<f32>(0.0), half);
+    let bent = spread(vec3<f32>(0.0, 0.0, e.z), vec2<f32>(0.0), vec2<f32>(half, 0.0));
     let slope = slope_along_row(e, middle.x);
     let pad = bent + 1e-6 * (abs(e.x) + abs(e.y) + abs(e.z));
     let cut = clamp(-(at + pad) / slope, -2.0 * half, 2.0 * half);
