@@ -28,6 +28,11 @@ fn scaled_direction(p: vec2<f32>) -> vec3<f32> {
     return dp_unproject_scaled(p);
 }
 
+// The third component of the directions of four texels of a column.
+fn scaled_directions_z(u: f32, v: vec4<f32>) -> vec4<f32> {
+    return 0.5 - 0.5 * (u * u + v * v);
+}
+
 // Whether edges between these corners are arcs no longer than `arc_bow` allows for.
 fn is_near(a: Corner, b: Corner, c: Corner) -> bool {
     return max(dot(a.map, a.map), max(dot(b.map, b.map), dot(c.map, c.map))) < 2.0;

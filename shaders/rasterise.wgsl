@@ -1,5 +1,5 @@
 // Rasterise: each texel's greatest depth and the triangle that has it, of what was drawn small and of its tile's large
-// triangles. A workgroup takes a tile, a thread TEXELS texels of it.
+// triangles. A workgroup takes a tile, a thread QUADS quads of it: four texels of a column.
 
 @group(0) @binding(0) var<uniform> views: array<View, MOST_ITEMS>;
 @group(0) @binding(1) var<storage, read> records: array<vec4<u32>>;
@@ -24,31 +24,29 @@ struct TileCounters {
 // Whether records go through the workgroup's memory. In software a barrier costs more than it saves.
 override BATCHED: bool = true;
 
-// TEXELS is put before this text.
-const THREADS: u32 = TILE_TEXELS / TEXELS;
+// QUADS is put before this text.
+const THREADS: u32 = TILE_TEXELS / 4u / QUADS;
 // Records that go through the workgroup's memory at a time.
-const BATCH: u32 = 64u;
+const BATCH: u32 = 128u;
 
-// Parts of a tile that threads which run side by side have to themselves, so that they pass over what doesn't touch them:
-// eight of 8 x 4 texels.
-const PARTS: u32 = 8u;
-const PART_TEXELS: u32 = 32u;
+// Upper and lower half of a tile: what touches one alone is passed over in the other.
+const HALVES: u32 = 2u;
+const QUADS_OF_HALF: u32 = TILE_TEXELS / 4u / HALVES;
 
 // By how much edges of large triangles reach outward, as the sine of an angle: small ones are decided in another shader,
 // which may round otherwise, and between them there must be no gap. A product of three terms is off by at most 2^-22 of the
 // lengths, which are at most one.
 const EDGE_SLACK: f32 = 2.4e-7;
 
-var<workgroup> batch: array<vec4<u32>, 256>;
-// Of each record kept, bits of the parts that it touches.
-var<workgroup> touched: array<u32, 64>;
+var<workgroup> batch: array<vec4<u32>, 512>;
 var<workgroup> kept: atomic<u32>;
 // Least depth that any texel of the tile has so far.
 var<workgroup> lowest: atomic<u32>;
 
-struct Texel {
-    depth: f32,
-    number: u32,
+// Four texels.
+struct Quad {
+    depth: vec4<f32>,
+    number: vec4<u32>,
 }
 
 // What is known of a tile.
@@ -82,9 +80,9 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     let counters = tiles[place];
     let corner = vec2<i32>(group.xy) * TILE;
     let tile = Tile(centre, reach, corner, group.x, group.y, square, bitcast<f32>(counters.least));
-    var texels: array<Texel, TEXELS>;
-    for (var i = 0u; i < TEXELS; i += 1u) {
-        texels[i] = start_texel(view, item, tile, place, i * THREADS + thread);
+    var quads: array<Quad, QUADS>;
+    for (var i = 0u; i < QUADS; i += 1u) {
+        quads[i] = start_quad(view, item, tile, place, i * THREADS + thread);
     }
     let lists_all = counters.count <= ROOM;
     let count = select(min(state[view.counters + COUNTER_RECORDS], view.record_capacity), counters.count, lists_all);
@@ -104,11 +102,10 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
             workgroupBarrier();
             let end = atomicLoad(&kept);
             for (var i = 0u; i < end; i += 1u) {
-                let parts = touched[i];
-                for (var j = 0u; j < TEXELS; j += 1u) {
-                    let texel = j * THREADS + thread;
-                    if (parts & (1u << (texel / PART_TEXELS))) != 0u {
-                        texels[j] = with_triangle(view, texels[j], kept_record(i), tile, texel);
+                for (var j = 0u; j < QUADS; j += 1u) {
+                    let quad = j * THREADS + thread;
+                    if (batch[RECORD * i + 1u].w & half_bit(quad)) != 0u {
+                        quads[j] = with_triangle(view, quads[j], kept_record(i), tile, quad);
                     }
                 }
             }
@@ -119,8 +116,9 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
                     atomicStore(&lowest, 0xffffffffu);
                 }
                 workgroupBarrier();
-                for (var j = 0u; j < TEXELS; j += 1u) {
-                    atomicMin(&lowest, bitcast<u32>(texels[j].depth));
+                for (var j = 0u; j < QUADS; j += 1u) {
+                    let d = quads[j].depth;
+                    atomicMin(&lowest, bitcast<u32>(min(min(d.x, d.y), min(d.z, d.w))));
                 }
             }
         }
@@ -130,18 +128,18 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
             let words = words_of(view, entry);
             if may_show(words, tile, tile.least) {
                 let record = record_of(words, entry);
-                let parts = parts_touched(view, record, tile);
-                for (var j = 0u; j < TEXELS; j += 1u) {
-                    let texel = j * THREADS + thread;
-                    if (parts & (1u << (texel / PART_TEXELS))) != 0u {
-                        texels[j] = with_triangle(view, texels[j], record, tile, texel);
+                let halves = halves_touched(view, record, tile);
+                for (var j = 0u; j < QUADS; j += 1u) {
+                    let quad = j * THREADS + thread;
+                    if (halves & half_bit(quad)) != 0u {
+                        quads[j] = with_triangle(view, quads[j], record, tile, quad);
                     }
                 }
             }
         }
     }
-    for (var i = 0u; i < TEXELS; i += 1u) {
-        store_texel(view, texels[i], tile, i * THREADS + thread);
+    for (var i = 0u; i < QUADS; i += 1u) {
+        store_quad(view, quads[i], tile, i * THREADS + thread);
     }
     if thread == 0u && counters.count + counters.least > 0u {
         tiles[place] = TileCounters(0u, 0u);
@@ -203,16 +201,15 @@ fn keep_entry(view: View, tile: Tile, entry: u32, least: f32) {
     if !may_show(words, tile, least) {
         return;
     }
-    let parts = parts_touched(view, record_of(words, entry), tile);
-    if parts == 0u {
+    let halves = halves_touched(view, record_of(words, entry), tile);
+    if halves == 0u {
         return;
     }
-    let i = atomicAdd(&kept, 1u);
-    touched[i] = parts;
-    batch[RECORD * i] = words[0];
-    batch[RECORD * i + 1u] = vec4<u32>(words[1].xyz, entry);
-    batch[RECORD * i + 2u] = words[2];
-    batch[RECORD * i + 3u] = words[3];
+    let at = RECORD * atomicAdd(&kept, 1u);
+    batch[at] = words[0];
+    batch[at + 1u] = vec4<u32>(words[1].xyz, (entry & FULL) | halves);
+    batch[at + 2u] = words[2];
+    batch[at + 3u] = words[3];
 }
 
 fn kept_record(i: u32) -> Record {
@@ -221,82 +218,108 @@ fn kept_record(i: u32) -> Record {
     return record_of(words, words[1].w);
 }
 
-// Bits of the parts of a tile that a triangle may touch.
-fn parts_touched(view: View, record: Record, tile: Tile) -> u32 {
+// Bits of the halves of a tile that a triangle may touch.
+fn halves_touched(view: View, record: Record, tile: Tile) -> u32 {
     if record.is_full {
-        return (1u << PARTS) - 1u;
+        return (1u << HALVES) - 1u;
     }
-    let reach = vec2<f32>(3.5, 1.5) * view.texel;
+    let reach = vec2<f32>(7.5, 3.5) * view.texel;
     var result = 0u;
-    for (var part = 0u; part < PARTS; part += 1u) {
-        let offset = vec2<f32>(f32(part % 2u) * 8.0 - 4.0, 6.0 - f32(part / 2u) * 4.0) * view.texel;
-        let c = tile.centre + offset;
+    for (var half = 0u; half < HALVES; half += 1u) {
+        let c = tile.centre + vec2<f32>(0.0, select(-4.0, 4.0, half == 0u) * view.texel);
         let q = scaled_direction(c);
         let inside = vec3<f32>(dot(record.e0, q), dot(record.e1, q), dot(record.e2, q));
         let around = vec3<f32>(spread(record.e0, c, reach), spread(record.e1, c, reach), spread(record.e2, c, reach));
-        result |= select(0u, 1u << part, all(inside + around >= vec3<f32>(-BIN_SLACK)));
+        result |= select(0u, 1u << half, all(inside + around >= vec3<f32>(-BIN_SLACK)));
     }
     return result;
 }
 
-// Place of a tile's texel in it.
-fn place_in_tile(texel: u32) -> vec2<u32> {
-    let part = texel / PART_TEXELS;
-    let own = texel % PART_TEXELS;
-    return vec2<u32>(part % 2u * 8u + own % 8u, part / 2u * 4u + own / 8u);
+fn half_bit(quad: u32) -> u32 {
+    return 1u << (quad / QUADS_OF_HALF);
 }
 
-// What a texel has before any large triangle; clears it.
-fn start_texel(view: View, item: u32, tile: Tile, place: u32, texel: u32) -> Texel {
-    let own = place_in_tile(texel);
-    let at = place * TILE_TEXELS + own.y * u32(TILE) + own.x;
-    let stored = depths[at];
-    var result = Texel(bitcast<f32>(stored), 0u);
-    if stored != 0u {
-        result.number = numbers[at];
-        depths[at] = 0u;
-        numbers[at] = 0u;
+// First texel of a tile's quad, in the tile; the others are two rows apart. Quads side by side are texels side by side.
+fn quad_place(quad: u32) -> vec2<u32> {
+    let own = quad % QUADS_OF_HALF;
+    return vec2<u32>(own % u32(TILE), quad / QUADS_OF_HALF * 8u + own / u32(TILE));
+}
+
+const QUAD_ROWS: u32 = 2u;
+
+// What a quad has before any large triangle; clears it.
+fn start_quad(view: View, item: u32, tile: Tile, place: u32, quad: u32) -> Quad {
+    let own = quad_place(quad);
+    let stride = QUAD_ROWS * u32(TILE);
+    let at = place * TILE_TEXELS + own.y * u32(TILE) + own.x + vec4<u32>(0u, stride, 2u * stride, 3u * stride);
+    let stored = vec4<u32>(depths[at.x], depths[at.y], depths[at.z], depths[at.w]);
+    var result = Quad(bitcast<vec4<f32>>(stored), vec4<u32>(0u));
+    for (var i = 0; i < 4; i += 1) {
+        if stored[i] != 0u {
+            result.number[i] = numbers[at[i]];
+            depths[at[i]] = 0u;
+            numbers[at[i]] = 0u;
+        }
     }
     if (view.flags & (FLAG_STATIC | FLAG_CUSTOM)) != 0u {
         let beside = tile.corner + vec2<i32>(own) + vec2<i32>(i32(tile.square) * i32(view.resolution), 0);
-        if (view.flags & FLAG_STATIC) != 0u {
-            let source = beside + vec2<i32>(vec2<u32>(view.left, view.top));
-            let depth = textureLoad(static_depths, source, view.layer, 0).x;
-            result = nearer(result, Texel(depth, textureLoad(static_numbers, source, view.layer, 0).x + 1u));
-        }
-        if (view.flags & FLAG_CUSTOM) != 0u {
-            result = nearer(result, Texel(textureLoad(custom_depths, beside, item, 0), 0u));
+        for (var i = 0; i < 4; i += 1) {
+            let texel = beside + vec2<i32>(0, i * i32(QUAD_ROWS));
+            if (view.flags & FLAG_STATIC) != 0u {
+                let source = texel + vec2<i32>(vec2<u32>(view.left, view.top));
+                let depth = textureLoad(static_depths, source, view.layer, 0).x;
+                result = nearer(result, i, depth, textureLoad(static_numbers, source, view.layer, 0).x + 1u);
+            }
+            if (view.flags & FLAG_CUSTOM) != 0u {
+                result = nearer(result, i, textureLoad(custom_depths, texel, item, 0), 0u);
+            }
         }
     }
     return result;
 }
 
-// Of equal depths the greater number shows.
-fn nearer(a: Texel, b: Texel) -> Texel {
-    if b.depth > a.depth || (b.depth == a.depth && b.number > a.number) {
-        return b;
+// A quad with something in its `i`th texel. Of equal depths the greatest number shows.
+fn nearer(quad: Quad, i: i32, depth: f32, number: u32) -> Quad {
+    var result = quad;
+    if depth > quad.depth[i] || (depth == quad.depth[i] && number > quad.number[i]) {
+        result.depth[i] = depth;
+        result.number[i] = number;
     }
-    return a;
+    return result;
 }
 
-// A texel with a large triangle.
-fn with_triangle(view: View, before: Texel, record: Record, tile: Tile, texel: u32) -> Texel {
-    let at = vec2<f32>(tile.corner + vec2<i32>(place_in_tile(texel)));
-    let q = scaled_direction(vec2<f32>(texel_u(view, at.x), texel_v(view, at.y)));
-    let z = clamp(dot(record.plane, q), record.limits.x, record.limits.y);
-    let inside = min(dot(record.e0, q), min(dot(record.e1, q), dot(record.e2, q)));
-    if z > 0.0 && z <= 1.0 && (record.is_full || inside >= -EDGE_SLACK) {
-        return nearer(before, Texel(z, record.number));
+// A quad with a large triangle.
+fn with_triangle(view: View, before: Quad, record: Record, tile: Tile, quad: u32) -> Quad {
+    let at = vec2<f32>(tile.corner + vec2<i32>(quad_place(quad)));
+    let rows = vec4<f32>(0.0, 1.0, 2.0, 3.0) * f32(QUAD_ROWS);
+    let u = texel_u(view, at.x);
+    let v = (0.5 * view.resolution - 0.5 - (at.y + rows)) * view.texel;
+    let h = scaled_directions_z(u, v);
+    let z = clamp(products(record.plane, u, v, h), vec4<f32>(record.limits.x), vec4<f32>(record.limits.y));
+    var shows = (z <= vec4<f32>(1.0)) & (z > vec4<f32>(0.0));
+    if !record.is_full {
+        let inside = min(products(record.e0, u, v, h), min(products(record.e1, u, v, h), products(record.e2, u, v, h)));
+        shows = shows & (inside >= vec4<f32>(-EDGE_SLACK));
     }
-    return before;
+    let number = vec4<u32>(record.number);
+    shows = shows & ((z > before.depth) | ((z == before.depth) & (number > before.number)));
+    return Quad(select(before.depth, z, shows), select(before.number, number, shows));
 }
 
-fn store_texel(view: View, texel: Texel, tile: Tile, number: u32) {
-    let own = tile.corner + vec2<i32>(place_in_tile(number));
+// Products of a plane with the directions of four texels of a column.
+fn products(e: vec3<f32>, u: f32, v: vec4<f32>, h: vec4<f32>) -> vec4<f32> {
+    return e.x * u + e.y * v + e.z * h;
+}
+
+fn store_quad(view: View, quad: Quad, tile: Tile, number: u32) {
+    let own = tile.corner + vec2<i32>(quad_place(number));
     let size = i32(view.resolution);
-    if max(own.x, own.y) < size {
-        let at = own + vec2<i32>(i32(view.left) + i32(tile.square) * size, i32(view.top));
-        textureStore(map_depths, at, view.layer, vec4<f32>(texel.depth, 0.0, 0.0, 0.0));
-        textureStore(map_numbers, at, view.layer, vec4<u32>(texel.number - 1u, 0u, 0u, 0u));
+    let corner = vec2<i32>(i32(view.left) + i32(tile.square) * size, i32(view.top));
+    for (var i = 0; i < 4; i += 1) {
+        let texel = own + vec2<i32>(0, i * i32(QUAD_ROWS));
+        if max(texel.x, texel.y) < size {
+            textureStore(map_depths, corner + texel, view.layer, vec4<f32>(quad.depth[i], 0.0, 0.0, 0.0));
+            textureStore(map_numbers, corner + texel, view.layer, vec4<u32>(quad.number[i] - 1u, 0u, 0u, 0u));
+        }
     }
 }

@@ -219,9 +219,9 @@ impl Workgroups {
         self.choose(4096, 64)
     }
 
-    /// Texels of a tile that a thread takes.
-    pub(crate) fn tile_texels(self) -> u32 {
-        self.choose(1, 32)
+    /// Quads of a tile that a thread takes.
+    pub(crate) fn quads(self) -> u32 {
+        self.choose(1, 8)
     }
 
     pub(crate) fn has_cheap_barriers(self) -> bool {

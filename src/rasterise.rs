@@ -25,7 +25,7 @@ impl Rasterise {
     /// With lists of `room` entries a tile.
     pub(crate) fn new(device: &wgpu::Device, workgroups: Workgroups, room: u32) -> Self {
         let layout = layout(device);
-        let module = gpu::shader(device, "rasterise", crate::wgsl::rasterise(workgroups.tile_texels()));
+        let module = gpu::shader(device, "rasterise", crate::wgsl::rasterise(workgroups.quads()));
         let constants = [("ROOM", f64::from(room)), ("BATCHED", f64::from(u8::from(workgroups.has_cheap_barriers())))];
         let pipeline = gpu::compute_pipeline(device, "rasterise", &module, &[&layout], &constants);
         let nothing = |format| {

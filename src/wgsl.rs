@@ -81,9 +81,9 @@ pub(crate) fn bin() -> String {
     [PARABOLOID, PROJECTION, VIEW, TILES, BIN].concat()
 }
 
-/// Each thread takes so many texels of a tile.
-pub(crate) fn rasterise(texels: u32) -> String {
-    [PARABOLOID, PROJECTION, VIEW, TILES, &format!("const TEXELS: u32 = {texels}u;\n"), RASTERISE].concat()
+/// Each thread takes `quads` quads of a tile.
+pub(crate) fn rasterise(quads: u32) -> String {
+    [PARABOLOID, PROJECTION, VIEW, TILES, &format!("const QUADS: u32 = {quads}u;\n"), RASTERISE].concat()
 }
 
 pub(crate) fn mask_copy() -> String {
@@ -102,7 +102,7 @@ pub fn modules() -> Vec<(&'static str, String)> {
         ("number", number()),
         ("bin", bin()),
         ("rasterise", rasterise(1)),
-        ("rasterise_software", rasterise(32)),
+        ("rasterise_software", rasterise(8)),
         ("caster", caster(0)),
         ("mask_copy", mask_copy()),
         ("lookup", lookup(0)),
