@@ -2,7 +2,8 @@
 
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::procedural::shapes;
-use dual_paraboloid::compare::scene::SceneMesh;
+use dual_paraboloid::compare::fill;
+use dual_paraboloid::compare::scene::{Scene, SceneMesh};
 use dual_paraboloid::{
     CasterMesh, Casters, Indices, InstanceId, LightId, MeshId, PointLight, PointShadows, PointShadowsDescriptor, Sides,
     Tuning, Workgroups,
@@ -26,6 +27,13 @@ pub fn soup(triangles: &[[Vec3; 3]], sides: Sides) -> Casters {
         let mesh = casters.add_mesh(&mesh).unwrap();
         casters.add_instance(mesh, Affine3A::IDENTITY).unwrap();
     }
+    casters
+}
+
+/// A scene's casters.
+pub fn filled(scene: &Scene) -> Casters {
+    let mut casters = Casters::new(&gpu().device);
+    fill(&mut casters, gpu(), scene, Sides::Auto).unwrap();
     casters
 }
 

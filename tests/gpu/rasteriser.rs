@@ -1,37 +1,253 @@
 //! The rasteriser against its twin in double precision, and against itself where its parts meet.
 
-use crate::common::{Map, Rasteriser, descriptor, gpu, record, soup, tuning, tunings};
+use crate::common::{Map, Rasteriser, descriptor, filled, gpu, soup, tuning, tunings};
 use crate::culling::random_soup;
+use crate::hard_cases::orientation;
+use crate::masked::masked_room;
 use crate::twin::{Judgement, Twin};
-use dual_paraboloid::{PointLight, Sides};
-use glam::{Quat, Vec3};
+use crate::watertight::shell;
+use dual_paraboloid::compare::gpu::Statistics;
+use dual_paraboloid::compare::procedural;
+use dual_paraboloid::{Casters, PointLight, PointShadows, Sides, Tuning, Workgroups};
+use glam::Vec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Holds the maps of triangles by every tuning against the twin.
-fn assert_exact(name: &str, triangles: &[[Vec3; 3]], light: PointLight, rasterisers: &mut [Rasteriser]) {
+/// A way in which triangles are shared out, for each of both workgroups.
+fn both(of: impl Fn(Tuning) -> Tuning) -> Vec<(&'static str, Tuning)> {
+    let with = |(name, workgroups)| (name, of(Tuning { workgroups, ..tuning() }));
+    [("GPU's", Workgroups::Gpu), ("software's", Workgroups::Software)].map(with).into()
+}
+
+/// Holds the maps of triangles against the twin; returns what they cover in all.
+fn assert_exact(name: &str, triangles: &[[Vec3; 3]], light: PointLight, rasterisers: &mut [Rasteriser]) -> usize {
     let twin = Twin::of_soup(triangles, &light);
     let mut casters = soup(triangles, Sides::Auto);
+    let mut covered = 0;
     for rasteriser in rasterisers {
-        let map = rasteriser.map(&mut casters, light);
-        let judgement = twin.judge(&map);
-        println!("{name}, {}: {judgement:?}", rasteriser.name);
+        let judgement = twin.judge(&rasteriser.map(&mut casters, light));
+        judgement.assert_exact(&format!("{name}, {}", rasteriser.name));
+        covered += judgement.covered;
     }
+    covered
 }
 
 fn turned(rng: &mut Pcg64) -> PointLight {
-    let orientation = crate::hard_cases::orientation(rng);
-    PointLight { orientation, range: 100.0, ..Default::default() }
+    PointLight { orientation: orientation(rng), range: 100.0, ..Default::default() }
+}
+
+fn point(rng: &mut Pcg64, size: f32) -> Vec3 {
+    Vec3::from_array(std::array::from_fn(|_| rng.random_range(-size..size)))
+}
+
+/// Triangles of all sizes and shapes: points of light to walls, and slivers.
+fn mixed(rng: &mut Pcg64, count: usize) -> Vec<[Vec3; 3]> {
+    let mut triangles = random_soup(rng, count);
+    for triangle in triangles.iter_mut().step_by(3) {
+        let [a, b, _] = *triangle;
+        let width = 10f32.powf(rng.random_range(-4.0..-1.0));
+        let longer = a + (b - a) * rng.random_range(1.0..20.0);
+        *triangle = [a, longer, a + (longer - a) * rng.random_range(0.0..1.0) + point(rng, width)];
+    }
+    triangles
 }
 
 #[test]
-fn random_scenes() {
+fn random_scenes_by_every_tuning() {
     let mut rng = Pcg64::seed_from_u64(3);
-    for (count, resolution) in [(10, 64), (300, 128), (3000, 256)] {
+    for (resolution, counts) in [(64, [1, 3, 10, 30, 300]), (250, [3, 30, 300, 1000, 3000])] {
         let mut rasterisers = Rasteriser::all(tunings(), resolution);
+        let mut covered = 0;
+        for count in counts {
+            let (light, triangles) = (turned(&mut rng), mixed(&mut rng, count));
+            covered += assert_exact(&format!("{count} triangles"), &triangles, light, &mut rasterisers);
+        }
+        assert!(covered > 100 * resolution as usize, "{covered}");
+    }
+}
+
+#[test]
+fn a_large_map() {
+    let mut rng = Pcg64::seed_from_u64(4);
+    let mut rasterisers = Rasteriser::all(both(|tuning| tuning), 1024);
+    let (light, triangles) = (turned(&mut rng), mixed(&mut rng, 1000));
+    assert_exact("a large map", &triangles, light, &mut rasterisers);
+}
+
+/// What is nearer than `near` is clipped, texel by texel.
+#[test]
+fn triangles_through_the_clip_distance() {
+    let mut rng = Pcg64::seed_from_u64(5);
+    let mut rasterisers = Rasteriser::all(tunings(), 128);
+    for near in [0.5, 2.0] {
+        let light = PointLight { near, ..turned(&mut rng) };
+        assert_exact(&format!("near {near}"), &mixed(&mut rng, 100), light, &mut rasterisers);
+    }
+}
+
+#[test]
+fn triangles_around_the_axis_behind() {
+    let mut rng = Pcg64::seed_from_u64(6);
+    let mut rasterisers = Rasteriser::all(tunings(), 64);
+    for round in 0..30 {
         let light = turned(&mut rng);
-        let started = std::time::Instant::now();
-        assert_exact(&format!("{count} triangles"), &random_soup(&mut rng, count), light, &mut rasterisers);
-        println!("took {:?}", started.elapsed());
+        let behind = light.orientation * Vec3::Z * if round % 2 == 0 { -1.0 } else { 1.0 };
+        let (across, up) = behind.any_orthonormal_pair();
+        let width = 10f32.powf(rng.random_range(-3.0..2.0));
+        let start = rng.random_range(0.0..2.0);
+        let corner = |k: usize| {
+            let angle = start + k as f32 * 2.1;
+            behind + (across * angle.cos() + up * angle.sin()) * width
+        };
+        let lift = |p: Vec3, rng: &mut Pcg64| p * rng.random_range(0.5..3.0);
+        let around = [0, 1, 2].map(|k| lift(corner(k), &mut rng));
+        assert_exact(&format!("around the axis, {round}"), &[around], light, &mut rasterisers);
+    }
+}
+
+/// The light on a triangle's plane, within it and beside it, on an edge and on a corner; of three that meet there.
+#[test]
+fn the_light_on_planes_edges_and_corners() {
+    let mut rng = Pcg64::seed_from_u64(7);
+    let mut rasterisers = Rasteriser::all(tunings(), 64);
+    let whole = |rng: &mut Pcg64| Vec3::from_array(std::array::from_fn(|_| rng.random_range(-8..9) as f32));
+    for round in 0..10 {
+        let (u, v) = (whole(&mut rng), whole(&mut rng));
+        let cases: Vec<[Vec3; 3]> = [
+            [u, v, -(u + v)],
+            [u, v, u + v],
+            [u, -u, v],
+            [u, -2.0 * u, v],
+            [Vec3::ZERO, u, v],
+        ]
+        .into_iter()
+        .filter(|[a, b, c]| (b - a).cross(c - a) != Vec3::ZERO)
+        .collect();
+        let wall = [u * 3.0 + Vec3::X, v * 3.0 + Vec3::X, whole(&mut rng)];
+        let triangles = [cases, vec![wall; 1]].concat();
+        let light = turned(&mut rng);
+        let twin = Twin::of_soup(&triangles, &light);
+        let mut casters = soup(&triangles, Sides::Auto);
+        for rasteriser in &mut rasterisers {
+            let judgement = twin.judge(&rasteriser.map(&mut casters, light));
+            assert!(judgement.margin <= crate::twin::MARGIN, "{round}, {}: {judgement:?}", rasteriser.name);
+        }
+    }
+}
+
+/// Floors of kilometres, a millimetre to a metre under the light.
+#[test]
+fn floors_of_kilometres() {
+    let mut rng = Pcg64::seed_from_u64(8);
+    let mut rasterisers = Rasteriser::all(tunings(), 128);
+    for round in 0..12 {
+        let turn = orientation(&mut rng);
+        let (half, height) = (10f32.powf(rng.random_range(2.0..3.7)), 10f32.powf(rng.random_range(-3.0..0.0)));
+        let [a, b, c, d] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, z)| turn * Vec3::new(half * x, -height, half * z));
+        let light = PointLight { near: 1e-4, range: 1e4, ..turned(&mut rng) };
+        assert_exact(&format!("floor {round}"), &[[a, b, c], [a, c, d]], light, &mut rasterisers);
+    }
+}
+
+/// The texels in which two maps differ in any bit, and the largest relative difference of depths.
+fn differences(one: &Map, other: &Map) -> (usize, f32) {
+    let differences = one.differences(other);
+    let relative = |(texel, depth): &(_, f32)| -> f32 {
+        let texel: &crate::common::Texel = texel;
+        (texel.depth / depth - 1.0).abs()
+    };
+    (differences.len(), differences.iter().map(relative).fold(0.0, f32::max))
+}
+
+#[test]
+fn tunings_agree() {
+    let mut rng = Pcg64::seed_from_u64(9);
+    let scenes: Vec<(&str, Casters, PointLight)> = vec![
+        ("mixed", soup(&mixed(&mut rng, 3000), Sides::Auto), turned(&mut rng)),
+        ("shell", soup(&shell(1500, &mut rng), Sides::Auto), turned(&mut rng)),
+        ("hall", filled(&procedural::hall()), PointLight {
+            position: procedural::hall().lights[0].position,
+            ..turned(&mut rng)
+        }),
+        ("masked room", filled(&masked_room()), turned(&mut rng)),
+    ];
+    let mut rasterisers = Rasteriser::all(tunings(), 512);
+    for (name, mut casters, light) in scenes {
+        let maps: Vec<Map> = rasterisers.iter_mut().map(|rasteriser| rasteriser.map(&mut casters, light)).collect();
+        let half = maps.len() / 2;
+        for (k, rasteriser) in rasterisers.iter().enumerate() {
+            let numbers = maps[0].numbers.iter().zip(&maps[k].numbers).filter(|(a, b)| a != b).count();
+            println!(
+                "{name}, {}: {:?} from the first, {numbers} numbers, {:?} from the other workgroups",
+                rasteriser.name,
+                differences(&maps[0], &maps[k]),
+                differences(&maps[k], &maps[(k + half) % maps.len()])
+            );
+        }
+    }
+}
+
+/// A map with at most so many records and jobs, and how many were wanted.
+fn limited(casters: &mut Casters, light: PointLight, tuning: &Tuning) -> (Map, Statistics) {
+    let shadows = PointShadows::tuned(&gpu().device, &descriptor(160), tuning).unwrap();
+    let (shadows, id) = crate::common::record(shadows, casters, light);
+    (Map::read(&shadows, id), gpu().statistics(&shadows))
+}
+
+/// Exactly as much room as is wanted makes the same map as plenty; with one less it is drawn another way, and right.
+#[test]
+fn records_and_jobs_that_just_fit() {
+    let mut rng = Pcg64::seed_from_u64(10);
+    let (light, triangles) = (turned(&mut rng), mixed(&mut rng, 300));
+    let (twin, mut casters) = (Twin::of_soup(&triangles, &light), soup(&triangles, Sides::Auto));
+    for (workgroups, large) in both(|tuning| Tuning { small: Some(0), ..tuning }) {
+        let (plenty, wanted) = limited(&mut casters, light, &large);
+        assert!(wanted.large > 100 && wanted.jobs > wanted.large, "{wanted:?}");
+        for less in [0, 1, wanted.large / 2] {
+            let records = Tuning { records: Some(wanted.large - less), ..large };
+            let jobs = Tuning { jobs: Some(wanted.jobs - less), ..large };
+            for limit in [records, jobs] {
+                let (map, statistics) = limited(&mut casters, light, &limit);
+                assert_eq!(statistics, wanted);
+                twin.judge(&map).assert_exact(workgroups);
+                if less == 0 {
+                    assert!(map.depth == plenty.depth && map.numbers == plenty.numbers, "{limit:?}");
+                }
+            }
+        }
+    }
+}
+
+/// What had no room leaves nothing behind for the next map.
+#[test]
+fn a_map_after_one_without_room() {
+    let mut rng = Pcg64::seed_from_u64(11);
+    let light = turned(&mut rng);
+    let few = [[Vec3::new(-1.0, -1.0, 2.0), Vec3::new(1.0, -1.0, 2.0), Vec3::new(0.0, 1.0, 2.0)]];
+    let (mut few, mut many) = (soup(&few, Sides::Auto), soup(&mixed(&mut rng, 300), Sides::Auto));
+    for limit in both(|tuning| Tuning { small: Some(0), records: Some(10), room: 2, ..tuning }) {
+        let mut rasteriser = Rasteriser::new(limit, 64);
+        let before = rasteriser.map(&mut few, light);
+        rasteriser.map(&mut many, light);
+        let after = rasteriser.map(&mut few, light);
+        assert!(before.depth.iter().any(|depth| *depth > 0.0));
+        assert!(before.depth == after.depth && before.numbers == after.numbers);
+    }
+}
+
+/// Casters with holes, drawn with room and without.
+#[test]
+fn a_masked_room_by_every_tuning() {
+    let scene = masked_room();
+    let mut rng = Pcg64::seed_from_u64(12);
+    let mut rasterisers = Rasteriser::all(tunings(), 160);
+    for _ in 0..3 {
+        let light = PointLight { position: point(&mut rng, 0.5), ..turned(&mut rng) };
+        let (twin, mut casters) = (Twin::new(&scene, &light), filled(&scene));
+        for rasteriser in &mut rasterisers {
+            let judgement: Judgement = twin.judge(&rasteriser.map(&mut casters, light));
+            judgement.assert_exact(rasteriser.name);
+        }
     }
 }

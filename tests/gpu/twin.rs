@@ -16,11 +16,11 @@ use std::sync::Arc;
 pub const MARGIN: f64 = 1e-3;
 
 /// How far a stored depth may be off, relatively.
-pub const DEPTH_ERROR: f64 = 2e-6;
+pub const DEPTH_ERROR: f64 = 5e-7;
 
 /// How much farther it may be off for planes seen edge-on, in proportion to the inverse sines of the angles between the plane
 /// and the directions of the texel and of the nearest corner.
-pub const EDGE_ON_ERROR: f64 = 4e-7;
+pub const EDGE_ON_ERROR: f64 = 2e-7;
 
 /// Texels along a side of the tiles that share a list of triangles.
 const TILE: u32 = 16;
@@ -152,8 +152,9 @@ impl Judgement {
         }
     }
 
+    /// Panics unless at most the margin says which triangle is seen.
     pub fn assert_exact(&self, name: &str) {
-        assert!(self.margin <= MARGIN && self.covered > 0, "{name}: {self:?}");
+        assert!(self.margin <= MARGIN, "{name}: {self:?}");
     }
 }
 
