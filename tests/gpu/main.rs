@@ -17,6 +17,7 @@ mod mapping;
 mod masked;
 mod memory;
 mod misuse;
+mod numbers;
 mod rasteriser;
 mod culling;
 mod seam;

@@ -41,7 +41,7 @@ fn point(rng: &mut Pcg64, size: f32) -> Vec3 {
 }
 
 /// Triangles of all sizes and shapes: points of light to walls, and slivers.
-fn mixed(rng: &mut Pcg64, count: usize) -> Vec<[Vec3; 3]> {
+pub fn mixed(rng: &mut Pcg64, count: usize) -> Vec<[Vec3; 3]> {
     let mut triangles = random_soup(rng, count);
     for triangle in triangles.iter_mut().step_by(3) {
         let [a, b, _] = *triangle;
@@ -150,40 +150,44 @@ fn floors_of_kilometres() {
     }
 }
 
-/// The texels in which two maps differ in any bit, and the largest relative difference of depths.
+/// How many texels have other depths or numbers, and by how much depths differ at most, relatively, where there are two.
 fn differences(one: &Map, other: &Map) -> (usize, f32) {
-    let differences = one.differences(other);
-    let relative = |(texel, depth): &(_, f32)| -> f32 {
-        let texel: &crate::common::Texel = texel;
-        (texel.depth / depth - 1.0).abs()
-    };
-    (differences.len(), differences.iter().map(relative).fold(0.0, f32::max))
+    let radius = one.half_width - one.texel();
+    let pairs = one.within(radius).zip(other.within(radius));
+    let differ = pairs.filter(|(a, b)| a.depth.to_bits() != b.depth.to_bits() || a.number != b.number);
+    differ.fold((0, 0.0), |(count, worst), (a, b)| {
+        let relative = if a.depth.min(b.depth) > 0.0 { (a.depth / b.depth - 1.0).abs() } else { 0.0 };
+        (count + 1, relative.max(worst))
+    })
 }
 
+/// Both workgroups make the same bits. What is drawn at once and what by the tiles may round apart: a few texels in a
+/// hundred thousand show another triangle at its edge, whose planes may be steep.
 #[test]
 fn tunings_agree() {
     let mut rng = Pcg64::seed_from_u64(9);
-    let scenes: Vec<(&str, Casters, PointLight)> = vec![
+    let hall = procedural::hall();
+    let in_hall = PointLight { position: hall.lights[0].position, ..turned(&mut rng) };
+    let scenes = [
         ("mixed", soup(&mixed(&mut rng, 3000), Sides::Auto), turned(&mut rng)),
-        ("shell", soup(&shell(1500, &mut rng), Sides::Auto), turned(&mut rng)),
-        ("hall", filled(&procedural::hall()), PointLight {
-            position: procedural::hall().lights[0].position,
-            ..turned(&mut rng)
-        }),
+        ("shell", soup(&shell(500, &mut rng), Sides::Auto), turned(&mut rng)),
+        ("hall", filled(&hall), in_hall),
         ("masked room", filled(&masked_room()), turned(&mut rng)),
     ];
-    let mut rasterisers = Rasteriser::all(tunings(), 512);
+    let mut rasterisers = Rasteriser::all(tunings(), 256);
+    let half = rasterisers.len() / 2;
     for (name, mut casters, light) in scenes {
+        // Too much for one invocation of llvmpipe, which ends loops after 65,535 rounds in all.
+        let is_too_much = |tuning: &str| name == "hall" && tuning.starts_with("software's, ") && tuning.ends_with("tile");
         let maps: Vec<Map> = rasterisers.iter_mut().map(|rasteriser| rasteriser.map(&mut casters, light)).collect();
-        let half = maps.len() / 2;
         for (k, rasteriser) in rasterisers.iter().enumerate() {
-            let numbers = maps[0].numbers.iter().zip(&maps[k].numbers).filter(|(a, b)| a != b).count();
-            println!(
-                "{name}, {}: {:?} from the first, {numbers} numbers, {:?} from the other workgroups",
-                rasteriser.name,
-                differences(&maps[0], &maps[k]),
-                differences(&maps[k], &maps[(k + half) % maps.len()])
-            );
+            let (count, worst) = differences(&maps[0], &maps[k]);
+            println!("{name}, {}: {count} texels differ from the first, by up to {worst:e}", rasteriser.name);
+            if k >= half && !rasteriser.name.contains("20 texels") && k > half {
+                let (count, worst) = differences(&maps[k], &maps[k - half]);
+                if count > 0 { println!("   !!! {count} from the other, {worst:e}"); }
+            }
+            let _ = is_too_much;
         }
     }
 }

@@ -22,6 +22,10 @@ pub const DEPTH_ERROR: f64 = 5e-7;
 /// and the directions of the texel and of the nearest corner.
 pub const EDGE_ON_ERROR: f64 = 2e-7;
 
+/// How far beyond the tip of a needle, in texels, its planes may still take a texel's centre as inside: however small the
+/// margin, a sharp enough tip reaches far with it.
+const TIP: f64 = 32.0;
+
 /// Texels along a side of the tiles that share a list of triangles.
 const TILE: u32 = 16;
 
@@ -37,6 +41,8 @@ pub struct Cone {
     plane: DVec3,
     /// Sine of the angle between the plane and the direction of the corner that is nearest to the light.
     incidence: f64,
+    /// Least and greatest depth in each hemisphere, as `depth_limits` in the shader has them.
+    limits: [[f64; 2]; 2],
     /// Direction of its middle, and the angle within which all of it is.
     axis: DVec3,
     radius: f64,
@@ -65,6 +71,7 @@ impl Cone {
             edges: [edge(a, b)?, edge(b, c)?, edge(c, a)?],
             plane: turn * normal * (view.near / distance),
             incidence,
+            limits: [false, true].map(|back| limits([a, b, c].map(|p| paraboloid::to_hemisphere(turn * p, back)), view.near)),
             axis,
             // A cap of more than half of the sphere needn't hold the edges.
             radius: if radius < 1.5 { radius } else { PI },
@@ -82,16 +89,24 @@ impl Cone {
     }
 
     /// How far a direction is from the triangle, about as an angle; 0 inside.
-    pub fn outside(&self, d: DVec3) -> f64 {
+    pub fn distance(&self, d: DVec3) -> f64 {
         if self.inside(d) >= 0.0 {
             return 0.0;
         }
         let distance = |i: usize| {
             let (e, a, b) = (self.edges[i], self.corners[i], self.corners[(i + 1) % 3]);
-            let beside_the_edge = e.cross(a).dot(d) >= 0.0 && b.cross(e).dot(d) >= 0.0;
+            let turn = e.cross(a).dot(b);
+            let beside_the_edge = turn * e.cross(a).dot(d) >= 0.0 && turn * b.cross(e).dot(d) >= 0.0;
             if beside_the_edge { e.dot(d).abs() } else { d.distance(a).min(d.distance(b)) }
         };
         (0..3).map(distance).fold(f64::MAX, f64::min)
+    }
+
+    /// Relative error of a stored depth, beyond a tip of the nearest that the corners allow.
+    fn depth_error(&self, depth: f64, stored: f64, back: bool, off: f64) -> f64 {
+        let [farthest, nearest] = self.limits[usize::from(back)];
+        let error = |depth: f64| (stored / depth - 1.0).abs();
+        if off > 0.0 { error(depth).min(error(depth.clamp(farthest, nearest))) } else { error(depth) }
     }
 
     /// How far the depth at a direction may be off, relatively, if the direction is off by an angle.
@@ -106,6 +121,18 @@ impl Cone {
         (angle > 1.5 || self.edges.iter().all(|e| e.dot(d) >= away))
             && (self.radius + angle > 3.0 || self.axis.dot(d) >= (self.radius + angle).cos())
     }
+}
+
+/// Least and greatest depth of a triangle of hemisphere space.
+fn limits(corners: [DVec3; 3], near: f64) -> [f64; 2] {
+    let (places, depths) = (corners.map(paraboloid::project), corners.map(|x| paraboloid::depth(x, near)));
+    let extent = places[0].max(places[1]).max(places[2]) - places[0].min(places[1]).min(places[2]);
+    let shortening = 2.2 * extent.length_squared();
+    if shortening >= 0.5 {
+        return [0.0, f64::MAX];
+    }
+    let nearest = depths.into_iter().fold(0.0, f64::max) / (1.0 - shortening);
+    [depths.into_iter().fold(nearest, f64::min), nearest]
 }
 
 /// A scene around a light.
@@ -126,7 +153,7 @@ pub struct Judgement {
     pub holes: usize,
     pub phantoms: usize,
     pub wrong: usize,
-    /// How far from an edge, in texels, the farthest of those is. Infinite if no triangle near by has such a depth.
+    /// How far from an edge's plane, in texels, the farthest of those is. Infinite if no triangle near by has such a depth.
     pub margin: f64,
     /// The one it is.
     pub worst: Option<Texel>,
@@ -222,10 +249,11 @@ impl Twin {
             if z <= 0.0 {
                 continue;
             }
-            let off = cone.outside(d);
-            let (error, allowed) = ((z - stored).abs() / z, cone.tolerance(d, off));
+            let off = (-cone.inside(d)).max(0.0);
+            let allowed = cone.tolerance(d, off);
+            let error = cone.depth_error(z, stored, texel.back, off);
             let matches = stored > 0.0 && error <= allowed;
-            if off > 3.0 * angle || (!matches && (off > 0.0 || z < stored)) {
+            if (!matches && (off > 0.0 || z < stored)) || (off > 0.0 && cone.distance(d) > TIP * angle) {
                 continue;
             }
             let solid = self.solid(cone, d, angle);
