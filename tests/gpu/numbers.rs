@@ -8,7 +8,6 @@ use crate::rasteriser::mixed;
 use crate::twin::Cone;
 use crate::watertight::shell;
 use dual_paraboloid::compare::numbered::NO_NUMBER;
-use dual_paraboloid::compare::procedural;
 use dual_paraboloid::compare::reference::View;
 use dual_paraboloid::compare::scene::SceneMesh;
 use dual_paraboloid::paraboloid::double as paraboloid;
@@ -155,15 +154,14 @@ fn of_deformed_casters() {
 /// Twenty maps of a busy scene have the same depths and numbers to the bit, with room and without.
 #[test]
 fn the_same_on_every_run() {
-    let scene = procedural::hall();
-    let mut casters = filled(&scene);
-    let light = PointLight { position: scene.lights[0].position, range: 60.0, ..Default::default() };
+    let mut rng = Pcg64::seed_from_u64(23);
+    let (mut casters, light) = (soup(&mixed(&mut rng, 10_000), Sides::Auto), turned(&mut rng));
     let no_room = Tuning { small: Some(8), records: Some(100), ..tuning() };
     for (name, plain) in [("as it is", tuning()), ("without room", no_room)] {
         for workgroups in [Workgroups::Gpu, Workgroups::Software] {
             let mut rasteriser = Rasteriser::new((name, Tuning { workgroups, ..plain }), 256);
             let first = rasteriser.map(&mut casters, light);
-            assert!(first.discs().filter(|texel| texel.depth > 0.0).count() > 50_000);
+            assert!(first.discs().filter(|texel| texel.depth > 0.0).count() > 10_000);
             for run in 1..20 {
                 let again = rasteriser.map(&mut casters, light);
                 assert!(again.depth == first.depth && again.numbers == first.numbers, "{name}, run {run}");
