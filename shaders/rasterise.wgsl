@@ -31,8 +31,8 @@ const THREADS: u32 = QUADS_OF_TILE / QUADS;
 
 // By how much edges of large triangles reach outward, as the sine of an angle at most: small ones are decided in another
 // shader, which may round otherwise, and between them there must be no gap. Either product of three terms is off by at most
-// 2^-22 of the lengths, which are at most one.
-const EDGE_SLACK: f32 = 2.4e-7;
+// 2^-22 of the lengths, of which that of the plane's normal is one.
+const EDGE_SLACK: f32 = 2.4e-7 * LONGEST_DIRECTION;
 
 var<workgroup> batch: array<vec4<u32>, 4u * THREADS>;
 var<workgroup> kept: atomic<u32>;
@@ -285,13 +285,14 @@ fn products(e: vec3<f32>, u: f32, v: vec4<f32>, h: vec4<f32>) -> vec4<f32> {
 fn store_texels(view: View, texels: Texels, tile: Tile, quad: u32) {
     let corner = quad_corner(tile, quad);
     let size = i32(view.resolution);
-    let target_corner = corner + vec2<i32>(i32(view.left + tile.hemisphere * u32(size)), i32(view.top));
+    let origin = square_origin(view, tile.hemisphere);
+    let target_corner = corner + vec2<i32>(origin.xy);
     for (var i = 0; i < 4; i += 1) {
         let row = i * QUAD_STEP;
         if corner.x < size && corner.y + row < size {
             let at = target_corner + vec2<i32>(0, row);
-            textureStore(map_depths, at, view.layer, vec4<f32>(texels.depth[i], 0.0, 0.0, 0.0));
-            textureStore(map_numbers, at, view.layer, vec4<u32>(texels.number[i] - 1u, 0u, 0u, 0u));
+            textureStore(map_depths, at, origin.z, vec4<f32>(texels.depth[i], 0.0, 0.0, 0.0));
+            textureStore(map_numbers, at, origin.z, vec4<u32>(texels.number[i] - 1u, 0u, 0u, 0u));
         }
     }
 }
