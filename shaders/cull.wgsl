@@ -89,9 +89,9 @@ fn choose_part(view: View, part: u32) {
 
 // Whether triangles that face away don't cast, or can't be seen to.
 fn culls(view: View, source: ChunkSource, bounds: ChunkBounds) -> bool {
-    // Outside by more than near, nothing of a closed piece is clipped, so a front face hides every back face.
-    let is_outside = any(view.position < bounds.pieces_min - view.near)
-        || any(view.position > bounds.pieces_max + view.near);
+    // Outside by more than this, nothing of a closed piece is clipped, so a front face hides every back face.
+    let near = view.near * LONGEST_DIRECTION;
+    let is_outside = any(view.position < bounds.pieces_min - near) || any(view.position > bounds.pieces_max + near);
     return culling(source) == CULL_ALWAYS || (culling(source) == CULL_CLOSED && REJECT && is_outside);
 }
 

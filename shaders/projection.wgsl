@@ -4,6 +4,13 @@
 
 // Maps of a light.
 const SQUARES: u32 = 2u;
+// Length of the longest q.
+const LONGEST_DIRECTION: f32 = 1.0;
+
+// A map's upper left texel, and its layer.
+fn square_origin(view: View, square: u32) -> vec3<u32> {
+    return vec3<u32>(view.left + square * u32(view.resolution), view.top, view.layer);
+}
 
 fn square_space(view: View, relative: vec3<f32>, square: u32) -> vec3<f32> {
     let x = vec3<f32>(dot(view.right, relative), dot(view.up, relative), dot(view.forward, relative));

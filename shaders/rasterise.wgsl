@@ -33,10 +33,10 @@ const BATCH: u32 = 128u;
 const HALVES: u32 = 2u;
 const QUADS_OF_HALF: u32 = TILE_TEXELS / 4u / HALVES;
 
-// By how much edges of large triangles reach outward, as the sine of an angle: small ones are decided in another shader,
-// which may round otherwise, and between them there must be no gap. A product of three terms is off by at most 2^-22 of the
-// lengths, which are at most one.
-const EDGE_SLACK: f32 = 2.4e-7;
+// By how much edges of large triangles reach outward, as the sine of an angle at most: small ones are decided in another
+// shader, which may round otherwise, and between them there must be no gap. Either product of three terms is off by at most
+// 2^-22 of the lengths, of which that of the plane's normal is one.
+const EDGE_SLACK: f32 = 2.4e-7 * LONGEST_DIRECTION;
 
 var<workgroup> batch: array<vec4<u32>, 512>;
 var<workgroup> kept: atomic<u32>;
@@ -314,12 +314,13 @@ fn products(e: vec3<f32>, u: f32, v: vec4<f32>, h: vec4<f32>) -> vec4<f32> {
 fn store_quad(view: View, quad: Quad, tile: Tile, number: u32) {
     let own = tile.corner + vec2<i32>(quad_place(number));
     let size = i32(view.resolution);
-    let corner = vec2<i32>(i32(view.left) + i32(tile.square) * size, i32(view.top));
+    let origin = square_origin(view, tile.square);
+    let corner = vec2<i32>(origin.xy);
     for (var i = 0; i < 4; i += 1) {
         let texel = own + vec2<i32>(0, i * i32(QUAD_ROWS));
         if max(texel.x, texel.y) < size {
-            textureStore(map_depths, corner + texel, view.layer, vec4<f32>(quad.depth[i], 0.0, 0.0, 0.0));
-            textureStore(map_numbers, corner + texel, view.layer, vec4<u32>(quad.number[i] - 1u, 0u, 0u, 0u));
+            textureStore(map_depths, corner + texel, origin.z, vec4<f32>(quad.depth[i], 0.0, 0.0, 0.0));
+            textureStore(map_numbers, corner + texel, origin.z, vec4<u32>(quad.number[i] - 1u, 0u, 0u, 0u));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The lights' maps: which are stale, and the order in which their stages are recorded.
 
 use crate::Error;
-use crate::batch::{Item, FROM_CUSTOM, FROM_STATIC, MASKED, MOST_ITEMS, MOVING, STATIC, Share};
+use crate::batch::{FROM_CUSTOM, FROM_STATIC, Item, MASKED, MOST_ITEMS, MOVING, STATIC, Share};
 use crate::bin::Bin;
 use crate::casters::Casters;
 use crate::cull::Cull;
@@ -166,7 +166,7 @@ impl PointShadows {
     /// [`Error::InvalidDescriptor`] for a value out of range or more than the device's limits allow, or
     /// [`Error::DeviceLost`].
     pub fn new(device: &wgpu::Device, descriptor: &PointShadowsDescriptor) -> Result<Self, Error> {
-        Self::with_tuning(device, descriptor, &Tuning::of(device))
+        Self::with_shape(device, descriptor, &Tuning::of(device), shape_of(descriptor))
     }
 
     /// [`Self::new`] with maps from every triangle, even of those that can't change them: what the tests hold the
@@ -185,18 +185,23 @@ impl PointShadows {
     /// As [`Self::new`].
     #[cfg(feature = "compare")]
     pub fn tuned(device: &wgpu::Device, descriptor: &PointShadowsDescriptor, tuning: &Tuning) -> Result<Self, Error> {
-        Self::with_tuning(device, descriptor, tuning)
+        Self::with_shape(device, descriptor, tuning, shape_of(descriptor))
     }
 
-    fn with_tuning(device: &wgpu::Device, descriptor: &PointShadowsDescriptor, tuning: &Tuning) -> Result<Self, Error> {
+    /// [`Self::tuned`] with maps of another shape than the descriptor's.
+    pub(crate) fn with_shape(
+        device: &wgpu::Device,
+        descriptor: &PointShadowsDescriptor,
+        tuning: &Tuning,
+        shape: MapShape,
+    ) -> Result<Self, Error> {
         validate(descriptor, &device.limits())?;
         gpu::check(device)?;
-        let PointShadowsDescriptor { capacity, resolution, guard, keep_static } = *descriptor;
+        let PointShadowsDescriptor { capacity, keep_static, .. } = *descriptor;
         let Tuning { reject, workgroups, small, room, records, jobs } = *tuning;
-        let shape = MapShape::new(resolution, guard);
-        let tiles = 2 * shape.tiles() * shape.tiles();
+        let (projection, tiles) = (shape.projection, shape.all_tiles());
         let room = room.min((device.limits().max_storage_buffer_binding_size / 4 / u64::from(tiles)) as u32).max(1);
-        let maps = Maps::new(device, capacity, resolution, keep_static);
+        let maps = Maps::new(device, shape.extent(capacity), keep_static);
         let share = Share { tiles, records: 64, jobs: 64, winners: 64, bits: 36, overflows: false };
         Ok(Self {
             shape,
@@ -206,11 +211,11 @@ impl PointShadows {
             seen: None,
             lookup: Lookup::new(device, maps.depths()),
             maps,
-            cull: Cull::new(device, workgroups, reject, small),
-            resolve: Resolve::new(device, workgroups),
-            number: Number::new(device, workgroups),
-            bin: Bin::new(device, workgroups, room),
-            rasterise: Rasterise::new(device, workgroups, room),
+            cull: Cull::new(device, projection, workgroups, reject, small),
+            resolve: Resolve::new(device, projection, workgroups),
+            number: Number::new(device, projection, workgroups),
+            bin: Bin::new(device, projection, workgroups, room),
+            rasterise: Rasterise::new(device, projection, workgroups, room),
             custom: Custom::new(device, capacity),
             workspace: Workspace::new(device, share, room, Most { records, jobs }, 1, MOST_ITEMS),
             views: view_buffer(device, capacity),
@@ -405,21 +410,22 @@ impl PointShadows {
 
     fn record_batch(&self, encoder: &mut wgpu::CommandEncoder, casters: &Casters, batch: Range<u32>, target: Target) {
         let Some(groups) = &self.groups else { return };
-        let (first, items, chunks) = (batch.start, batch.len() as u32, casters.chunk_count());
+        let (first, items) = (batch.start, batch.len() as u32);
+        let parts = self.shape.projection.squares * casters.chunk_count();
         let share = self.workspace.share();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("dual_paraboloid::maps"),
             timestamp_writes: None,
         });
-        self.cull.record(&mut pass, &groups.cull, first, items, chunks);
+        self.cull.record(&mut pass, &groups.cull, first, items, parts);
         let has_deferred = share.overflows || casters.triangles_of(MASKED) > 0;
         if self.until >= Stage::Number {
             if has_deferred {
-                self.resolve.record(&mut pass, &groups.resolve, first, items, chunks, false);
+                self.resolve.record(&mut pass, &groups.resolve, first, items, parts, false);
             }
             self.number.record(&mut pass, &groups.number, first, items, share.winners);
             if has_deferred {
-                self.resolve.record(&mut pass, &groups.resolve, first, items, chunks, true);
+                self.resolve.record(&mut pass, &groups.resolve, first, items, parts, true);
             }
         }
         if self.until >= Stage::Bin {
@@ -430,7 +436,7 @@ impl PointShadows {
                 Target::Live => &groups.rasterise_live,
                 Target::Static => groups.rasterise_static.as_ref().unwrap_or(&groups.rasterise_live),
             };
-            self.rasterise.record(&mut pass, group, first, items, self.shape.tiles());
+            self.rasterise.record(&mut pass, group, first, items, &self.shape);
         }
     }
 
@@ -458,9 +464,8 @@ impl PointShadows {
 
     fn bind(&self, device: &wgpu::Device, casters: &Casters, key: (u32, u64)) -> Groups {
         let (views, workspace) = (&self.views, &self.workspace);
-        let rasterise = |target, custom| {
-            self.rasterise.bind_group(device, views, workspace, &self.maps, target, custom)
-        };
+        let rasterise =
+            |target, custom| self.rasterise.bind_group(device, views, workspace, &self.maps, target, custom);
         Groups {
             key,
             cull: self.cull.bind_group(device, views, casters, workspace),
@@ -541,6 +546,10 @@ fn batches(first_live: u32, count: u32, most: u32) -> Vec<Range<u32>> {
         all.step_by(most as usize).map(move |first| first..(first + most).min(end))
     };
     pack(0..first_live).chain(pack(first_live..count)).collect()
+}
+
+fn shape_of(descriptor: &PointShadowsDescriptor) -> MapShape {
+    MapShape::new(descriptor.resolution, descriptor.guard)
 }
 
 fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Result<(), Error> {

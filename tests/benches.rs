@@ -79,6 +79,7 @@ fn check_costs(scene: &Value) {
         Method::Cube,
         Method::CubeUnculled,
         Method::CubeRouted,
+        Method::CubeCompute,
     ] {
         let of: Vec<&Value> = costs.iter().filter(|cost| cost["method"] == method.name()).collect();
         assert_eq!(of.len(), if method.is_cube() { 3 } else { 2 }, "{method} in {}", scene["scene"]);
