@@ -2,6 +2,7 @@
 
 use crate::common::{Map, Rasteriser, Texel, box_inside, gpu, map, soup, tunings};
 use crate::hard_cases::orientation;
+use crate::twin::Twin;
 use dual_paraboloid::{PointLight, Sides, paraboloid::double};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use rand::{Rng, SeedableRng};
@@ -100,9 +101,9 @@ fn above_a_plane() {
                 let d = direction(&texel, &light);
                 // Where the ray meets the plane, in half widths.
                 let at = 0.002 * d.x.abs().max(d.z.abs()) / -d.y;
-                if d.y > 0.0 || at > 1.0001 {
+                if d.y > 0.0 || at > 1.001 {
                     assert_eq!(texel.depth, 0.0, "{texel:?} is beyond the plane");
-                } else if at < 0.9999 {
+                } else if at < 0.999 {
                     let (expected, distance) = (2.0 / -d.y, distance(&texel, &light));
                     let error = (distance - expected).abs() / expected;
                     assert!(error < ROUNDING / -d.y, "{texel:?}: off by {error}");
@@ -113,7 +114,9 @@ fn above_a_plane() {
     gpu().wait();
 }
 
-/// Fins seen from their edge, none of which has a point nearer than 1: no texel is nearer than that but for rounding.
+/// Fins seen from their edge, none of which has a point nearer than 1: no texel whose ray meets one is nearer than that.
+/// Few others show any: so thin are some fins that the room for rounding at edges widens them by half, and beyond the tips
+/// of their triangles, as sharp as they are thin, by dozens of texels.
 #[test]
 fn no_texel_of_fins_seen_edge_on_is_nearer() {
     let mut random = Pcg64::seed_from_u64(5);
@@ -127,16 +130,17 @@ fn no_texel_of_fins_seen_edge_on_is_nearer() {
     });
     let fins: Vec<[Vec3; 3]> = fins.collect();
     let mut casters = soup(&fins, Sides::Both);
-    for resolution in [256, 1024] {
-        for tuning in tunings().into_iter().step_by(if resolution == 256 { 1 } else { 5 }) {
-            let light = PointLight { range: 50.0, ..Default::default() };
-            let mut rasteriser = Rasteriser::new(tuning, resolution);
+    let light = PointLight { range: 50.0, ..Default::default() };
+    let twin = Twin::of_soup(&fins, &light);
+    for (resolution, step) in [(256, 1), (1024, 5)] {
+        for mut rasteriser in Rasteriser::all(tunings().into_iter().step_by(step).collect(), resolution) {
             let map = rasteriser.map(&mut casters, light);
-            let shares: Vec<f64> = map.discs().filter(|t| t.depth > 0.0).map(|t| 1.0 - distance(&t, &light)).collect();
-            let nearer = shares.iter().filter(|share| **share > ROUNDING).count();
-            let worst = shares.iter().copied().fold(0.0, f64::max);
-            println!("{resolution} {}: {} texels, {nearer} nearer, worst {worst:e}; {:?}", rasteriser.name, shares.len(),
-                crate::twin::Twin::of_soup(&fins, &light).judge(&map));
+            let (met, beside): (Vec<_>, Vec<_>) =
+                map.discs().filter(|texel| texel.depth > 0.0).partition(|texel| twin.meets(texel));
+            let nearest = met.iter().map(|texel| 1.0 - distance(texel, &light)).fold(0.0, f64::max);
+            let name = format!("{} at {resolution}", rasteriser.name);
+            assert!(nearest <= ROUNDING, "{name}: nearer by {nearest}");
+            assert!(met.len() > 900 && 300 * beside.len() <= met.len(), "{name}: {} beside {}", beside.len(), met.len());
         }
     }
 }

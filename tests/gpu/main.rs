@@ -23,4 +23,3 @@ mod culling;
 mod seam;
 mod watertight;
 mod twin;
-mod workgroups;

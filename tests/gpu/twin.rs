@@ -89,7 +89,7 @@ impl Cone {
     }
 
     /// How far a direction is from the triangle, about as an angle; 0 inside.
-    pub fn distance(&self, d: DVec3) -> f64 {
+    fn distance(&self, d: DVec3) -> f64 {
         if self.inside(d) >= 0.0 {
             return 0.0;
         }
@@ -217,6 +217,12 @@ impl Twin {
             .into_par_iter()
             .map(|(back, x, y)| self.judge_tile(map, back, x, y))
             .reduce(Judgement::default, Judgement::and)
+    }
+
+    /// Whether a ray through a texel's centre meets a triangle, holes or not.
+    pub fn meets(&self, texel: &Texel) -> bool {
+        let d = paraboloid::to_hemisphere(paraboloid::unproject(texel.p.as_dvec2()), texel.back);
+        self.cones.iter().any(|cone| cone.inside(d) >= 0.0)
     }
 
     fn judge_tile(&self, map: &Map, back: bool, x: u32, y: u32) -> Judgement {

@@ -46,21 +46,28 @@ pub fn shell(cuts: usize, rng: &mut Pcg64) -> Vec<[Vec3; 3]> {
     triangles.into_iter().map(|t| t.map(|v| vertices[v])).collect()
 }
 
+/// Tunings by which an invocation of a software device may have more to do than llvmpipe lets it: that ends loops after
+/// 65,535 rounds in all.
+fn is_too_much(tuning: &str, resolution: u32) -> bool {
+    resolution > 200 && tuning.starts_with("software's") && (tuning.ends_with("all small") || tuning.ends_with("one record"))
+}
+
 #[test]
 fn shells_have_no_holes_in_any_orientation() {
     let mut rng = Pcg64::seed_from_u64(5);
-    for (resolution, shells) in [(64, 60), (200, 40), (512, 8)] {
+    for (resolution, rounds) in [(64, 12), (200, 4), (512, 1)] {
         let mut rasterisers = Rasteriser::all(tunings(), resolution);
-        for number in 0..shells {
+        rasterisers.retain(|rasteriser| !is_too_much(rasteriser.name, resolution));
+        let count = rasterisers.len();
+        for number in 0..rounds * count {
             let mut casters = soup(&shell([0, 20, 300, 1500][number % 4], &mut rng), Sides::Auto);
             let light = PointLight { orientation: orientation(&mut rng), ..Default::default() };
-            for rasteriser in &mut rasterisers {
-                let map = rasteriser.map(&mut casters, light);
-                let holes: Vec<_> = map.discs().filter(|texel| texel.depth == 0.0).collect();
-                if !holes.is_empty() {
-                println!("shell {number} at {resolution}, {}: {} holes, as at {:?}", rasteriser.name, holes.len(), holes[0]);
-                }
-            }
+            // In the end each tuning has drawn shells of all sizes.
+            let rasteriser = &mut rasterisers[(number + number / count) % count];
+            let map = rasteriser.map(&mut casters, light);
+            let holes: Vec<_> = map.discs().filter(|texel| texel.depth == 0.0).collect();
+            let name = format!("shell {number} at {resolution}, {}", rasteriser.name);
+            assert!(holes.is_empty(), "{name}: {} holes, as at {:?}", holes.len(), holes[0]);
         }
     }
 }
