@@ -23,11 +23,6 @@ fn corners_of(packed: u32) -> vec3<u32> {
     return vec3<u32>(packed, packed >> 8u, packed >> 16u) & vec3<u32>(0xffu);
 }
 
-// Whether all corners are behind the map. Then so is all between them, since what isn't is a convex cone.
-fn is_behind(a: Corner, b: Corner, c: Corner) -> bool {
-    return max(a.w, max(b.w, c.w)) < 0.0;
-}
-
 fn comes_first(a: vec3<f32>, b: vec3<f32>) -> bool {
     return a.x < b.x || (a.x == b.x && (a.y < b.y || (a.y == b.y && a.z < b.z)));
 }
