@@ -66,10 +66,9 @@ fn slope_along_row(e: vec3<f32>, u: f32) -> f32 {
     return e.x - e.z * u;
 }
 
-// How much a plane's product with q may differ, within h of c along each axis, from that at c.
-fn spread(e: vec3<f32>, c: vec2<f32>, h: f32) -> f32 {
-    let slope = abs(e.xy - e.z * c);
-    return (slope.x + slope.y) * h + abs(e.z) * h * h;
+// How much a plane's product with q may differ, within h of c along the axes, from that at c.
+fn spread(e: vec3<f32>, c: vec2<f32>, h: vec2<f32>) -> f32 {
+    return dot(abs(e.xy - e.z * c), h) + 0.5 * abs(e.z) * dot(h, h);
 }
 
 // Whether anything is looked up as near to the axis as p: within the guard band's disc.

@@ -36,16 +36,25 @@ fn edge_normal(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return select(e, -e, swap);
 }
 
-// Normal of a triangle, from its two shorter edges: those of thin ones keep their digits.
+// Normal of a triangle, from its two shorter edges: those of thin ones keep their digits. What rounding tilts it along the
+// longest edge is taken off again, since the thinner a triangle, the more that is.
 fn triangle_normal(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     let e = b - a;
     let f = c - b;
     let g = a - c;
     let squares = vec3<f32>(dot(e, e), dot(f, f), dot(g, g));
     if squares.x >= max(squares.y, squares.z) {
-        return cross(f, g);
+        return without(cross(f, g), e, squares.x);
     }
-    return cross(e, select(f, -g, squares.y >= squares.z));
+    if squares.y >= squares.z {
+        return without(cross(g, e), f, squares.y);
+    }
+    return without(cross(e, f), g, squares.z);
+}
+
+// A vector without what it has of another one, whose square is given.
+fn without(n: vec3<f32>, along: vec3<f32>, square: f32) -> vec3<f32> {
+    return n - along * (dot(n, along) / max(square, 1e-37));
 }
 
 // The one of three points that is nearest to the light.
@@ -144,7 +153,7 @@ fn depth_at(triangle: Triangle, q: vec3<f32>) -> f32 {
 // The part of a row that a plane doesn't exclude, relative to its middle, which reaches `half` to either side.
 fn trimmed(span: vec2<f32>, e: vec3<f32>, middle: vec2<f32>, half: f32) -> vec2<f32> {
     let at = dot(e, scaled_direction(middle));
-    let bent = spread(vec3<f32>(0.0, 0.0, e.z), vec2<f32>(0.0), half);
+    let bent = spread(vec3<f32>(0.0, 0.0, e.z), vec2<f32>(0.0), vec2<f32>(half, 0.0));
     let slope = slope_along_row(e, middle.x);
     let pad = bent + 1e-6 * (abs(e.x) + abs(e.y) + abs(e.z));
     let cut = clamp(-(at + pad) / slope, -2.0 * half, 2.0 * half);

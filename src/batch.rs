@@ -82,9 +82,10 @@ impl Share {
         }
     }
 
-    /// The same with room for `most` records.
-    pub(crate) fn with_records(self, most: u32) -> Self {
-        Self { records: most, overflows: self.overflows || most < self.records, ..self }
+    /// The same with room for so many records and jobs at most.
+    pub(crate) fn with_at_most(self, records: u32, jobs: u32) -> Self {
+        let overflows = self.overflows || records < self.records || jobs < self.jobs;
+        Self { records: records.min(self.records), jobs: jobs.min(self.jobs), overflows, ..self }
     }
 
     /// Bytes of an item's share, with lists of `room` entries.

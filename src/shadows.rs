@@ -16,7 +16,7 @@ use crate::resolve::Resolve;
 use crate::schedule::{self, Due, Light, Stale};
 use crate::slots::{Handle, Slots};
 use crate::view::{MapShape, SLOT, View};
-use crate::workspace::Workspace;
+use crate::workspace::{Most, Workspace};
 use std::ops::Range;
 
 /// How [`PointShadows`] are made.
@@ -121,6 +121,8 @@ pub struct Tuning {
     pub room: u32,
     /// Records of large triangles at most; without a number, enough for nearly all scenes.
     pub records: Option<u32>,
+    /// Jobs of the binning at most.
+    pub jobs: Option<u32>,
 }
 
 impl Tuning {
@@ -128,7 +130,7 @@ impl Tuning {
     #[must_use]
     pub fn of(device: &wgpu::Device) -> Self {
         let small = std::env::var("DP_SMALL").ok().and_then(|s| s.parse().ok());
-        Self { reject: true, workgroups: Workgroups::of(device), small, room: ROOM, records: None }
+        Self { reject: true, workgroups: Workgroups::of(device), small, room: ROOM, records: None, jobs: None }
     }
 }
 
@@ -196,7 +198,7 @@ impl PointShadows {
         validate(descriptor, &device.limits())?;
         gpu::check(device)?;
         let PointShadowsDescriptor { capacity, keep_static, .. } = *descriptor;
-        let Tuning { reject, workgroups, small, room, records } = *tuning;
+        let Tuning { reject, workgroups, small, room, records, jobs } = *tuning;
         let (projection, tiles) = (shape.projection, shape.all_tiles());
         let room = room.min((device.limits().max_storage_buffer_binding_size / 4 / u64::from(tiles)) as u32).max(1);
         let maps = Maps::new(device, shape.extent(capacity), keep_static);
@@ -215,7 +217,7 @@ impl PointShadows {
             bin: Bin::new(device, projection, workgroups, room),
             rasterise: Rasterise::new(device, projection, workgroups, room),
             custom: Custom::new(device, capacity),
-            workspace: Workspace::new(device, share, room, records, 1, MOST_ITEMS),
+            workspace: Workspace::new(device, share, room, Most { records, jobs }, 1, MOST_ITEMS),
             views: view_buffer(device, capacity),
             groups: None,
             recorded: 0,

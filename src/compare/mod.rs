@@ -7,6 +7,7 @@
 
 pub mod area_light;
 pub mod baselines;
+mod closed_pieces;
 pub mod cost;
 mod cut_outs;
 pub mod error_figures;
@@ -15,6 +16,7 @@ pub mod gpu;
 pub mod ideal;
 pub mod lookup_cost;
 pub mod measure;
+pub mod numbered;
 pub mod procedural;
 pub mod reference;
 pub mod scene;

@@ -1,19 +1,17 @@
 //! The workgroups that ship for GPUs and those for software make the same maps, on whichever device this is.
 
-use crate::common::{Map, descriptor, gpu, record, soup};
+use crate::common::{Rasteriser, gpu, soup, tuning};
 use crate::masked::random_sheets;
-use crate::routing::random_soup;
+use crate::culling::random_soup;
 use dual_paraboloid::compare::{fill, procedural};
-use dual_paraboloid::{Casters, PointLight, PointShadows, Sides, Workgroups};
+use dual_paraboloid::{Casters, PointLight, Sides, Tuning, Workgroups};
 use glam::{Quat, Vec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
 fn assert_alike(casters: &mut Casters, light: PointLight, resolution: u32) {
     let [one, other] = [Workgroups::Gpu, Workgroups::Software].map(|workgroups| {
-        let shadows = PointShadows::with_workgroups(&gpu().device, &descriptor(resolution), workgroups).unwrap();
-        let (shadows, id) = record(shadows, casters, light);
-        Map::read(&shadows, id)
+        Rasteriser::new(("", Tuning { workgroups, ..tuning() }), resolution).map(casters, light)
     });
     let shown = one.discs().filter(|texel| texel.depth > 0.0).count();
     assert!(shown > one.discs().count() / 10, "{shown} texels show something");

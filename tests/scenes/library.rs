@@ -1,6 +1,6 @@
 //! What the library makes of the test scenes.
 
-use crate::claims::{assert_even_where_it_should_be, assert_holes_are_true, assert_routed_is_unrouted};
+use crate::claims::{assert_even_where_it_should_be, assert_holes_are_true, assert_culling_changes_nothing};
 use crate::common::gpu;
 use crate::stated::Stated;
 use crate::trial_of;
@@ -18,7 +18,7 @@ const HOLES: [&str; 2] = ["house_masked", "alpha_modes"];
 const FILTERS: [&str; 3] = ["barn_lamp", "gallery_vr", "lights_level_blenvy"];
 
 pub fn trials_of(scene: &'static Stated) -> Vec<Trial> {
-    let mut trials = vec![trial_of(scene, "routing", leaving_triangles_out_changes_nothing)];
+    let mut trials = vec![trial_of(scene, "culling", leaving_triangles_out_changes_nothing)];
     if HOLES.contains(&scene.name()) {
         trials.push(trial_of(scene, "holes", holes_are_as_true_as_resolution_allows));
     }
@@ -44,7 +44,7 @@ fn leaving_triangles_out_changes_nothing(stated: &Stated, scene: &Scene) {
     for position in lights.into_iter().take(2) {
         let range = low.distance(high) * 2.0;
         let light = PointLight { position, range, near: range * 1e-5, ..Default::default() };
-        assert_routed_is_unrouted(&mut casters, light, 512, stated.name());
+        assert_culling_changes_nothing(&mut casters, light, 512, stated.name());
     }
 }
 
