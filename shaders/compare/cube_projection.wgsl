@@ -60,8 +60,8 @@ fn slope_along_row(e: vec3<f32>, u: f32) -> f32 {
     return e.x;
 }
 
-fn spread(e: vec3<f32>, c: vec2<f32>, h: f32) -> f32 {
-    return (abs(e.x) + abs(e.y)) * h;
+fn spread(e: vec3<f32>, c: vec2<f32>, h: vec2<f32>) -> f32 {
+    return dot(abs(e.xy), h);
 }
 
 fn is_looked_up(view: View, p: vec2<f32>) -> bool {
