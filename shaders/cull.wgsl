@@ -154,7 +154,7 @@ fn sort_triangle(view: View, t: u32, local: vec3<u32>, is_masked: bool, away: f3
     let a = placed(local.x);
     let b = placed(local.y);
     let c = placed(local.z);
-    if is_behind(a, b, c) {
+    if is_outside(view, a, b, c) {
         return;
     }
     var is_large = !is_near(a, b, c);

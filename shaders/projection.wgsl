@@ -31,6 +31,11 @@ fn corner_of(view: View, relative: vec3<f32>, square: u32) -> Corner {
     return Corner(place, select(w, -max(w, 1e-30), is_behind), dp_project(place));
 }
 
+// Whether all corners are behind the map. Then so is all between them, since what isn't is a convex cone.
+fn is_outside(view: View, a: Corner, b: Corner, c: Corner) -> bool {
+    return max(a.w, max(b.w, c.w)) < 0.0;
+}
+
 fn scaled_direction(p: vec2<f32>) -> vec3<f32> {
     return dp_unproject_scaled(p);
 }

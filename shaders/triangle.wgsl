@@ -23,11 +23,6 @@ fn corners_of(packed: u32) -> vec3<u32> {
     return vec3<u32>(packed, packed >> 8u, packed >> 16u) & vec3<u32>(0xffu);
 }
 
-// Whether all corners are behind the map. Then so is all between them, since what isn't is a convex cone.
-fn is_behind(a: Corner, b: Corner, c: Corner) -> bool {
-    return max(a.w, max(b.w, c.w)) < 0.0;
-}
-
 fn comes_first(a: vec3<f32>, b: vec3<f32>) -> bool {
     return a.x < b.x || (a.x == b.x && (a.y < b.y || (a.y == b.y && a.z < b.z)));
 }
@@ -144,11 +139,12 @@ fn covers_nearly(triangle: Triangle, q: vec3<f32>) -> bool {
     return all(edges >= -SAME_EDGE * lengths);
 }
 
-// How far apart, relatively, two shaders may find the depth of one triangle at one texel.
+// How far apart two shaders may find the depth of one triangle at one texel: relative to what is summed, which cancels where
+// the triangle is seen at a grazing angle.
 const SAME_DEPTH: f32 = 1e-6;
 
-fn is_same_depth(z: f32, depth: f32) -> bool {
-    return abs(z - depth) <= SAME_DEPTH * depth;
+fn is_same_depth(triangle: Triangle, z: f32, depth: f32) -> bool {
+    return abs(z - depth) <= SAME_DEPTH * (depth + LONGEST_DIRECTION * length(triangle.plane));
 }
 
 fn depth_at(triangle: Triangle, q: vec3<f32>) -> f32 {

@@ -27,6 +27,15 @@ fn corner_of(view: View, relative: vec3<f32>, square: u32) -> Corner {
     return Corner(place, w, place.xy / w);
 }
 
+// Whether a triangle lies outside of one plane of the face's pyramid.
+fn is_outside(view: View, a: Corner, b: Corner, c: Corner) -> bool {
+    let half_width = 0.5 * view.resolution * view.texel;
+    let w = half_width * vec3<f32>(a.w, b.w, c.w);
+    let u = vec3<f32>(a.place.x, b.place.x, c.place.x);
+    let v = vec3<f32>(a.place.y, b.place.y, c.place.y);
+    return all(w < vec3<f32>(0.0)) || all(u > w) || all(-u > w) || all(v > w) || all(-v > w);
+}
+
 fn scaled_direction(p: vec2<f32>) -> vec3<f32> {
     return vec3<f32>(p, 1.0);
 }
@@ -51,8 +60,8 @@ fn slope_along_row(e: vec3<f32>, u: f32) -> f32 {
     return e.x;
 }
 
-fn spread(e: vec3<f32>, c: vec2<f32>, h: f32) -> f32 {
-    return (abs(e.x) + abs(e.y)) * h;
+fn spread(e: vec3<f32>, c: vec2<f32>, h: vec2<f32>) -> f32 {
+    return dot(abs(e.xy), h);
 }
 
 fn is_looked_up(view: View, p: vec2<f32>) -> bool {
