@@ -31,7 +31,7 @@ fn corner_of(view: View, relative: vec3<f32>, square: u32) -> Corner {
     return Corner(place, select(w, -max(w, 1e-30), is_behind), dp_project(place));
 }
 
-// Whether all corners are behind the map. Then so is all between them, since what isn't is a convex cone.
+// Whether all corners are behind the map. Then so is all between them, since what is behind is a convex cone.
 fn is_outside(view: View, a: Corner, b: Corner, c: Corner) -> bool {
     return max(a.w, max(b.w, c.w)) < 0.0;
 }
