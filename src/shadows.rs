@@ -30,8 +30,8 @@ pub struct PointShadowsDescriptor {
     /// Width of the guard band around each hemisphere, in texels: lookups near the seam find all their texels in
     /// their own map. In [1, 16]; a sixteenth of the resolution at most is used.
     pub guard: f32,
-    /// Keeps a second map of each light's static casters, over a copy of which the
-    /// [moving](crate::Casters::set_moving) ones are drawn. The maps are the same to the bit and take twice the memory;
+    /// Keeps a second map of each light's static casters, from which the map starts that the
+    /// [moving](crate::Casters::set_moving) ones are drawn to. The maps are the same to the bit and take twice the memory;
     /// it pays where little moves among much that doesn't.
     pub keep_static: bool,
 }
@@ -532,7 +532,8 @@ impl PointShadows {
 
     /// Bytes on the GPU: the maps, twice with [`keep_static`](PointShadowsDescriptor::keep_static), and what the lights
     /// share: the workspace of up to eight of them at a time, and a few KiB for each. The workspace has 128 MiB at most,
-    /// unless a single light takes more: about 20 MiB at a resolution of 1024, and in proportion to its square.
+    /// unless a single light takes more: 32 MiB at a resolution of 1024, in proportion to its square, there at most 28 MiB
+    /// for large and winning triangles, and 144 bytes a chunk.
     #[must_use]
     pub fn memory(&self) -> u64 {
         self.maps.memory() + self.workspace.memory() + self.views.size() + self.custom.memory() + self.lookup.memory()
