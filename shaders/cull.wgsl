@@ -211,10 +211,10 @@ fn draw_row(view: View, source: ChunkSource, square: u32, row: u32, count: u32) 
             atomicLoad(&depths[at.w]),
         );
         for (var i = 0; i < 4; i += 1) {
-            if quad[i] > 0u && stored[i] <= quad[i] {
+            if quad[i] > stored[i] {
                 atomicMax(&depths[at[i]], quad[i]);
-                may_win = true;
             }
+            may_win = may_win || (quad[i] > 0u && may_be_numbered(triangle, bitcast<f32>(quad[i]), bitcast<f32>(stored[i])));
         }
     }
     if may_win {

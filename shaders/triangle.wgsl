@@ -144,7 +144,17 @@ fn covers_nearly(triangle: Triangle, q: vec3<f32>) -> bool {
 const SAME_DEPTH: f32 = 1e-6;
 
 fn is_same_depth(triangle: Triangle, z: f32, depth: f32) -> bool {
-    return abs(z - depth) <= SAME_DEPTH * (depth + LONGEST_DIRECTION * length(triangle.plane));
+    return abs(z - depth) <= same_depth_margin(triangle, depth);
+}
+
+fn same_depth_margin(triangle: Triangle, depth: f32) -> f32 {
+    return SAME_DEPTH * (depth + LONGEST_DIRECTION * length(triangle.plane));
+}
+
+// Whether a triangle may have a texel's depth in the end, by what the texel holds so far. Whichever is drawn first, all that
+// do are found.
+fn may_be_numbered(triangle: Triangle, z: f32, so_far: f32) -> bool {
+    return z >= so_far - 3.0 * same_depth_margin(triangle, so_far);
 }
 
 fn depth_at(triangle: Triangle, q: vec3<f32>) -> f32 {

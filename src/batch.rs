@@ -40,6 +40,8 @@ const BLOCK: u32 = 8;
 /// Large triangles of an item that there is room for at most, counted in each map; with more they are drawn another
 /// way.
 const MOST_RECORDS: u64 = 1 << 18;
+/// Small triangles of an item that there is room for at most; so many have half of a binding's 128 MiB.
+const MOST_WINNERS: u64 = 1 << 24;
 /// Jobs of the binning that there is room for however few records.
 const FEWEST_JOBS: u64 = 1 << 16;
 /// Words of a part's bits in both lists, and of its entries in the lists; twins of `PART_BITS` and others.
@@ -71,7 +73,8 @@ impl Share {
         let most_jobs = records * u64::from(across.div_ceil(BLOCK));
         let jobs = most_jobs.min(FEWEST_JOBS.max(4 * records));
         // At most one for each texel, nearly always.
-        let winners = most.clamp(64, u64::from(squares * shape.resolution * shape.resolution).max(64));
+        let texels = u64::from(squares) * u64::from(shape.resolution) * u64::from(shape.resolution);
+        let winners = most.min(texels.min(MOST_WINNERS)).max(64);
         Self {
             tiles: shape.all_tiles(),
             records: records as u32,
@@ -100,7 +103,8 @@ impl Share {
     /// Items of a batch, of so many as there are. `limit` is the most that a buffer may have.
     pub(crate) fn items(&self, lights: u32, room: u32, limit: u64) -> u32 {
         let list = 4 * u64::from(room.max(TILE * TILE)) * u64::from(self.tiles);
-        let widest = list.max(64 * u64::from(self.records)).max(4 * u64::from(self.bits));
+        let lists = 4 * (u64::from(self.jobs) + u64::from(self.winners));
+        let widest = [list, lists, 64 * u64::from(self.records), 4 * u64::from(self.bits)].into_iter().fold(1, u64::max);
         let fit = (BATCH_BYTES / self.bytes(room)).min(limit / widest);
         fit.clamp(1, u64::from(MOST_ITEMS.min(lights.max(1)))) as u32
     }

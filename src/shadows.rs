@@ -129,8 +129,7 @@ impl Tuning {
     /// As it is best for a device.
     #[must_use]
     pub fn of(device: &wgpu::Device) -> Self {
-        let small = std::env::var("DP_SMALL").ok().and_then(|s| s.parse().ok());
-        Self { reject: true, workgroups: Workgroups::of(device), small, room: ROOM, records: None, jobs: None }
+        Self { reject: true, workgroups: Workgroups::of(device), small: None, room: ROOM, records: None, jobs: None }
     }
 }
 
