@@ -104,7 +104,8 @@ impl Share {
     pub(crate) fn items(&self, lights: u32, room: u32, limit: u64) -> u32 {
         let list = 4 * u64::from(room.max(TILE * TILE)) * u64::from(self.tiles);
         let lists = 4 * (u64::from(self.jobs) + u64::from(self.winners));
-        let widest = [list, lists, 64 * u64::from(self.records), 4 * u64::from(self.bits)].into_iter().fold(1, u64::max);
+        let widest =
+            [list, lists, 64 * u64::from(self.records), 4 * u64::from(self.bits)].into_iter().fold(1, u64::max);
         let fit = (BATCH_BYTES / self.bytes(room)).min(limit / widest);
         fit.clamp(1, u64::from(MOST_ITEMS.min(lights.max(1)))) as u32
     }

@@ -100,10 +100,10 @@ pub use custom::CasterPass;
 pub use deform::Deformed;
 pub use error::Error;
 pub use filter::Filter;
-pub use light::{Coverage, PointLight};
-pub use mask::Mask;
 #[cfg(feature = "compare")]
 pub use gpu::Workgroups;
+pub use light::{Coverage, PointLight};
+pub use mask::Mask;
+pub use shadows::{LightId, PointShadows, PointShadowsDescriptor, RecordOptions};
 #[cfg(feature = "compare")]
 pub use shadows::{Stage, Tuning};
-pub use shadows::{LightId, PointShadows, PointShadowsDescriptor, RecordOptions};

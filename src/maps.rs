@@ -42,6 +42,7 @@ impl Maps {
     }
 
     /// The numbers of the triangles whose depths they are.
+    #[cfg(feature = "compare")]
     pub(crate) fn numbers(&self) -> &wgpu::Texture {
         &self.live.textures[1]
     }

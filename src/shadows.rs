@@ -87,7 +87,6 @@ pub struct PointShadows {
     views: wgpu::Buffer,
     groups: Option<Groups>,
     /// Items of the last recording that made a map.
-    #[cfg_attr(not(feature = "compare"), expect(dead_code, reason = "only measurements read the counters"))]
     recorded: usize,
     /// The last stage that is recorded.
     until: Stage,

@@ -39,14 +39,7 @@ pub(crate) struct Workspace {
 
 impl Workspace {
     /// For batches of `items` items, of `counted` in all, and lists of `room` entries a tile.
-    pub(crate) fn new(
-        device: &wgpu::Device,
-        share: Share,
-        room: u32,
-        most: Most,
-        items: u32,
-        counted: u32,
-    ) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, share: Share, room: u32, most: Most, items: u32, counted: u32) -> Self {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         let buffer = |what, words: u32, each: u32| {
             gpu::buffer(device, what, 4 * u64::from(words) * u64::from(each) * u64::from(items), usage)
@@ -131,7 +124,8 @@ impl Workspace {
     }
 
     pub(crate) fn memory(&self) -> u64 {
-        let buffers = [&self.depths, &self.numbers, &self.tiles, &self.tile_lists, &self.records, &self.lists, &self.state];
+        let buffers =
+            [&self.depths, &self.numbers, &self.tiles, &self.tile_lists, &self.records, &self.lists, &self.state];
         buffers.into_iter().map(wgpu::Buffer::size).sum()
     }
 }

@@ -140,7 +140,12 @@ fn no_texel_of_fins_seen_edge_on_is_nearer() {
             let nearest = met.iter().map(|texel| 1.0 - distance(texel, &light)).fold(0.0, f64::max);
             let name = format!("{} at {resolution}", rasteriser.name);
             assert!(nearest <= ROUNDING, "{name}: nearer by {nearest}");
-            assert!(met.len() > 900 && 300 * beside.len() <= met.len(), "{name}: {} beside {}", beside.len(), met.len());
+            assert!(
+                met.len() > 900 && 300 * beside.len() <= met.len(),
+                "{name}: {} beside {}",
+                beside.len(),
+                met.len()
+            );
         }
     }
 }

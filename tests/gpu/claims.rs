@@ -4,12 +4,15 @@ use crate::common::{Texel, descriptor, gpu, map, unculled_map};
 use dual_paraboloid::compare::error_figures::filter_error;
 use dual_paraboloid::compare::measure::{Made, Truth, light_for};
 use dual_paraboloid::compare::scene::Scene;
-use dual_paraboloid::{Casters, Filter, PointLight};
+use dual_paraboloid::{Casters, Filter, PointLight, paraboloid};
 use glam::Vec3;
 
 /// All filters with the settings that they have by default; the soft light has a radius of 0.1.
 pub const FILTERS: [Filter; 6] =
     [Filter::Hard, Filter::Bilinear, Filter::Pcf3, Filter::Pcf5, Filter::disc(0.01), Filter::soft(0.1)];
+
+/// How far from a silhouette, in texels, a texel's centre may be taken to be on its other side.
+pub const MARGIN: f64 = 1e-3;
 
 /// A light's maps of a scene.
 pub fn made(scene: &Scene, light: PointLight, resolution: u32) -> Made {
@@ -41,27 +44,35 @@ pub fn slack_ppm(wrong_ppm: f64, samples: usize) -> f64 {
     3.0 * count.max(1.0).sqrt() * 1e6 / samples as f64
 }
 
-/// Asserts that leaving triangles out changes nothing but the depth of some texels by rounding.
+/// Asserts that leaving triangles out changes nothing but the depth of some texels by rounding, and of one at most by less
+/// than a texel spans: a closed mesh that folds over itself by so little shows the light its back there.
 pub fn assert_culling_changes_nothing(casters: &mut Casters, light: PointLight, resolution: u32, name: &str) {
     let culled = map(casters, light, resolution);
     let differences = culled.differences(&unculled_map(casters, light, resolution));
-    let relative = |(texel, depth): &(Texel, f32)| (texel.depth / depth - 1.0).abs();
-    let worst = differences.iter().map(relative).fold(0.0, f32::max);
-    println!("{name} at {resolution}: {} texels differ, by up to {worst:e}", differences.len());
-    let far = differences.iter().filter(|difference| relative(difference) > 1e-6).collect::<Vec<_>>();
-    assert!(far.is_empty(), "{name} at {resolution}: {} texels differ, as {:?}", far.len(), &far[..far.len().min(3)]);
+    let by_more = |allowed: &dyn Fn(&Texel) -> f32| {
+        let is_close = |texel: &Texel, depth: f32| (texel.depth / depth - 1.0).abs() <= allowed(texel);
+        differences.iter().filter(|(texel, depth)| !is_close(texel, *depth)).collect::<Vec<_>>()
+    };
+    let beyond_rounding = by_more(&|_| 1e-6);
+    let beyond_a_texel = by_more(&|texel| paraboloid::texel_angle(texel.p, culled.texel()));
+    assert!(
+        beyond_a_texel.is_empty() && beyond_rounding.len() <= 1,
+        "{name} at {resolution}: {} texels differ, as {:?}",
+        beyond_rounding.len(),
+        &beyond_rounding[..beyond_rounding.len().min(3)]
+    );
 }
 
-/// Asserts of a scene with holes that at most a tenth more is wrong than with the ideal map, and that no wrong texel is
-/// away from a silhouette.
+/// Asserts of a scene with holes that at most a hundredth more is wrong than with the ideal map, and that the map is
+/// the ray-cast one.
 pub fn assert_holes_are_true(scene: &Scene, position: Vec3, resolution: u32, samples: usize) {
     let light = light_for(scene, position);
     let truth = Truth::new(scene, &light, samples, 1);
     let made = Made::new(gpu(), scene, light, &descriptor(resolution)).unwrap();
     let figures = made.figures(gpu(), &truth);
     let (wrong, ideal) = (figures.shadow.error.wrong_ppm, figures.ideal.wrong_ppm);
-    assert!(wrong <= 1.1 * ideal, "{}: {wrong} of a million are wrong, ideally {ideal}", scene.name);
-    assert_eq!(figures.map.strays, 0, "{}: {:?}", scene.name, figures.map);
+    assert!(wrong <= 1.01 * ideal + 20.0, "{}: {wrong} of a million are wrong, ideally {ideal}", scene.name);
+    assert!(figures.map.silhouette_distance_max <= MARGIN, "{}: {:?}", scene.name, figures.map);
     // Without the holes it would be wrong by far.
     let whole = Made::new(gpu(), &scene.without_holes(), light, &descriptor(resolution)).unwrap();
     let values = gpu().shadow_values(&whole.shadows, whole.light, &truth.inputs());

@@ -1,8 +1,8 @@
 //! The shared device, and shorthands over it.
 
+use dual_paraboloid::compare::fill;
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::procedural::shapes;
-use dual_paraboloid::compare::fill;
 use dual_paraboloid::compare::scene::{Scene, SceneMesh};
 use dual_paraboloid::{
     CasterMesh, Casters, Indices, InstanceId, LightId, MeshId, PointLight, PointShadows, PointShadowsDescriptor, Sides,

@@ -137,7 +137,8 @@ fn compare(map: &Map, expected: &Map, plate: &[u32]) -> usize {
         }
         // Its neighbours in the disc tell whether an outline is near.
         let row = 2 * RESOLUTION as usize;
-        let around = [index - row, index, index + row].into_iter().flat_map(|middle| &held_texels[middle - 1..=middle + 1]);
+        let around =
+            [index - row, index, index + row].into_iter().flat_map(|middle| &held_texels[middle - 1..=middle + 1]);
         let own = around.filter(|texel| texel.depth > 0.0 && !is_plate(texel)).count();
         if own == 0 {
             assert_eq!((texel.depth.to_bits(), is_plate(&texel)), (held.depth.to_bits(), is_plate(held)), "{texel:?}");

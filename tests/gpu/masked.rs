@@ -1,6 +1,6 @@
 //! Casters with holes.
 
-use crate::claims::{assert_holes_are_true, assert_culling_changes_nothing};
+use crate::claims::{assert_culling_changes_nothing, assert_holes_are_true};
 use crate::common::{Map, box_inside, descriptor, gpu, map, mesh_of};
 use dual_paraboloid::compare::scene::{Alpha, Material, Scene, SceneInstance, SceneMesh};
 use dual_paraboloid::{

@@ -12,7 +12,8 @@ use dual_paraboloid::compare::reference::View;
 use dual_paraboloid::compare::scene::SceneMesh;
 use dual_paraboloid::paraboloid::double as paraboloid;
 use dual_paraboloid::{
-    CasterMesh, Casters, Indices, InstanceId, PointLight, PointShadows, PointShadowsDescriptor, Sides, Tuning, Workgroups,
+    CasterMesh, Casters, Indices, InstanceId, PointLight, PointShadows, PointShadowsDescriptor, Sides, Tuning,
+    Workgroups,
 };
 use glam::{Affine3A, Vec3};
 use rand::SeedableRng;
@@ -155,13 +156,13 @@ fn of_deformed_casters() {
 #[test]
 fn the_same_on_every_run() {
     let mut rng = Pcg64::seed_from_u64(23);
-    let (mut casters, light) = (soup(&mixed(&mut rng, 10_000), Sides::Auto), turned(&mut rng));
+    let (mut casters, light) = (soup(&mixed(&mut rng, 2000), Sides::Auto), turned(&mut rng));
     let no_room = Tuning { small: Some(8), records: Some(100), ..tuning() };
     for (name, plain) in [("as it is", tuning()), ("without room", no_room)] {
         for workgroups in [Workgroups::Gpu, Workgroups::Software] {
-            let mut rasteriser = Rasteriser::new((name, Tuning { workgroups, ..plain }), 256);
+            let mut rasteriser = Rasteriser::new((name, Tuning { workgroups, ..plain }), 128);
             let first = rasteriser.map(&mut casters, light);
-            assert!(first.discs().filter(|texel| texel.depth > 0.0).count() > 10_000);
+            assert!(first.discs().filter(|texel| texel.depth > 0.0).count() > 5000);
             for run in 1..20 {
                 let again = rasteriser.map(&mut casters, light);
                 assert!(again.depth == first.depth && again.numbers == first.numbers, "{name}, run {run}");

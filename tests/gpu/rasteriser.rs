@@ -19,17 +19,34 @@ fn both(of: impl Fn(Tuning) -> Tuning) -> Vec<(&'static str, Tuning)> {
     [("GPU's", Workgroups::Gpu), ("software's", Workgroups::Software)].map(with).into()
 }
 
-/// Holds the maps of triangles against the twin; returns what they cover in all.
-fn assert_exact(name: &str, triangles: &[[Vec3; 3]], light: PointLight, rasterisers: &mut [Rasteriser]) -> usize {
-    let twin = Twin::of_soup(triangles, &light);
-    let mut casters = soup(triangles, Sides::Auto);
+/// Holds the maps by each rasteriser against the twin; returns how many texels they cover in all.
+fn assert_twins(
+    name: &str,
+    twin: &Twin,
+    casters: &mut Casters,
+    light: PointLight,
+    rasterisers: &mut [Rasteriser],
+) -> usize {
     let mut covered = 0;
+    // Most are the same to the bit, which needn't be judged again.
+    let mut judged: Option<(Map, Judgement)> = None;
     for rasteriser in rasterisers {
-        let judgement = twin.judge(&rasteriser.map(&mut casters, light));
+        let map = rasteriser.map(casters, light);
+        let judgement = match judged.take() {
+            Some((last, judgement)) if last.depth == map.depth => judgement,
+            _ => twin.judge(&map),
+        };
         judgement.assert_exact(&format!("{name}, {}", rasteriser.name));
         covered += judgement.covered;
+        judged = Some((map, judgement));
     }
     covered
+}
+
+/// The same for triangles.
+fn assert_exact(name: &str, triangles: &[[Vec3; 3]], light: PointLight, rasterisers: &mut [Rasteriser]) -> usize {
+    let (twin, mut casters) = (Twin::of_soup(triangles, &light), soup(triangles, Sides::Auto));
+    assert_twins(name, &twin, &mut casters, light, rasterisers)
 }
 
 fn turned(rng: &mut Pcg64) -> PointLight {
@@ -113,25 +130,14 @@ fn the_light_on_planes_edges_and_corners() {
     let whole = |rng: &mut Pcg64| Vec3::from_array(std::array::from_fn(|_| rng.random_range(-8..9) as f32));
     for round in 0..10 {
         let (u, v) = (whole(&mut rng), whole(&mut rng));
-        let cases: Vec<[Vec3; 3]> = [
-            [u, v, -(u + v)],
-            [u, v, u + v],
-            [u, -u, v],
-            [u, -2.0 * u, v],
-            [Vec3::ZERO, u, v],
-        ]
-        .into_iter()
-        .filter(|[a, b, c]| (b - a).cross(c - a) != Vec3::ZERO)
-        .collect();
+        let cases: Vec<[Vec3; 3]> = [[u, v, -(u + v)], [u, v, u + v], [u, -u, v], [u, -2.0 * u, v], [Vec3::ZERO, u, v]]
+            .into_iter()
+            .filter(|[a, b, c]| (b - a).cross(c - a) != Vec3::ZERO)
+            .collect();
         let wall = [u * 3.0 + Vec3::X, v * 3.0 + Vec3::X, whole(&mut rng)];
         let triangles = [cases, vec![wall; 1]].concat();
         let light = turned(&mut rng);
-        let twin = Twin::of_soup(&triangles, &light);
-        let mut casters = soup(&triangles, Sides::Auto);
-        for rasteriser in &mut rasterisers {
-            let judgement = twin.judge(&rasteriser.map(&mut casters, light));
-            assert!(judgement.margin <= crate::twin::MARGIN, "{round}, {}: {judgement:?}", rasteriser.name);
-        }
+        assert_exact(&format!("round {round}"), &triangles, light, &mut rasterisers);
     }
 }
 
@@ -140,7 +146,7 @@ fn the_light_on_planes_edges_and_corners() {
 fn floors_of_kilometres() {
     let mut rng = Pcg64::seed_from_u64(8);
     let mut rasterisers = Rasteriser::all(tunings(), 128);
-    for round in 0..12 {
+    for round in 0..6 {
         let turn = orientation(&mut rng);
         let (half, height) = (10f32.powf(rng.random_range(2.0..3.7)), 10f32.powf(rng.random_range(-3.0..0.0)));
         let [a, b, c, d] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
@@ -162,7 +168,7 @@ fn differences(one: &Map, other: &Map) -> (usize, f32) {
 }
 
 /// Both workgroups make the same bits. What is drawn at once and what by the tiles may round apart: a few texels in a
-/// hundred thousand show another triangle at its edge, whose plane may be steep.
+/// hundred thousand have their centre on an edge, or another depth by rounding.
 #[test]
 fn tunings_agree() {
     let mut rng = Pcg64::seed_from_u64(9);
@@ -182,10 +188,10 @@ fn tunings_agree() {
         for (k, rasteriser) in rasterisers.iter().enumerate() {
             let name = format!("{name}, {}", rasteriser.name);
             let (count, worst) = differences(&maps[0], &maps[k]);
-            println!("{name}: {count} texels differ, by up to {worst:e}");
-            let same = k > half && tunings()[k].1.small == tunings()[k - half].1.small;
-            if same {
-                println!("{:?}", differences(&maps[k], &maps[k - half]));
+            assert!(count <= 5 && worst <= 1e-6, "{name}: {count} texels differ, by up to {worst}");
+            // Both differ in what is drawn at once by default.
+            if k > half && tunings()[k].1.small == tunings()[k - half].1.small {
+                assert_eq!(differences(&maps[k], &maps[k - half]).0, 0, "{name}, from the other workgroups");
             }
         }
     }
@@ -244,13 +250,11 @@ fn a_map_after_one_without_room() {
 fn a_masked_room_by_every_tuning() {
     let scene = masked_room();
     let mut rng = Pcg64::seed_from_u64(12);
-    let mut rasterisers = Rasteriser::all(tunings(), 160);
-    for _ in 0..3 {
+    let mut rasterisers = Rasteriser::all(tunings(), 128);
+    for _ in 0..2 {
         let light = PointLight { position: point(&mut rng, 0.5), ..turned(&mut rng) };
         let (twin, mut casters) = (Twin::new(&scene, &light), filled(&scene));
-        for rasteriser in &mut rasterisers {
-            let judgement: Judgement = twin.judge(&rasteriser.map(&mut casters, light));
-            judgement.assert_exact(rasteriser.name);
-        }
+        let covered = assert_twins("masked room", &twin, &mut casters, light, &mut rasterisers);
+        assert!(covered > 100_000, "{covered}");
     }
 }

@@ -1,5 +1,6 @@
 //! What maps ought to be, in double precision: every triangle is asked at every texel's centre.
 
+use crate::claims::MARGIN;
 use crate::common::{Map, Texel, mesh_of};
 use crate::hard_cases::scene;
 use dual_paraboloid::PointLight;
@@ -11,9 +12,6 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
-
-/// How far from an edge, in texels, a texel's centre may be taken to be on its other side.
-pub const MARGIN: f64 = 1e-3;
 
 /// How far a stored depth may be off, relatively.
 pub const DEPTH_ERROR: f64 = 5e-7;
@@ -71,7 +69,8 @@ impl Cone {
             edges: [edge(a, b)?, edge(b, c)?, edge(c, a)?],
             plane: turn * normal * (view.near / distance),
             incidence,
-            limits: [false, true].map(|back| limits([a, b, c].map(|p| paraboloid::to_hemisphere(turn * p, back)), view.near)),
+            limits: [false, true]
+                .map(|back| limits([a, b, c].map(|p| paraboloid::to_hemisphere(turn * p, back)), view.near)),
             axis,
             // A cap of more than half of the sphere needn't hold the edges.
             radius: if radius < 1.5 { radius } else { PI },

@@ -49,7 +49,9 @@ pub fn shell(cuts: usize, rng: &mut Pcg64) -> Vec<[Vec3; 3]> {
 /// Tunings by which an invocation of a software device may have more to do than llvmpipe lets it: that ends loops after
 /// 65,535 rounds in all.
 fn is_too_much(tuning: &str, resolution: u32) -> bool {
-    resolution > 200 && tuning.starts_with("software's") && (tuning.ends_with("all small") || tuning.ends_with("one record"))
+    resolution > 200
+        && tuning.starts_with("software's")
+        && (tuning.ends_with("all small") || tuning.ends_with("one record"))
 }
 
 #[test]
