@@ -89,9 +89,9 @@ fn choose_part(view: View, part: u32) {
 
 // Whether triangles that face away don't cast, or can't be seen to.
 fn culls(view: View, source: ChunkSource, bounds: ChunkBounds) -> bool {
-    // Outside by more than near, nothing of a closed piece is clipped, so a front face hides every back face.
-    let is_outside = any(view.position < bounds.pieces_min - view.near)
-        || any(view.position > bounds.pieces_max + view.near);
+    // Outside by more than this, nothing of a closed piece is clipped, so a front face hides every back face.
+    let near = view.near * LONGEST_DIRECTION;
+    let is_outside = any(view.position < bounds.pieces_min - near) || any(view.position > bounds.pieces_max + near);
     return culling(source) == CULL_ALWAYS || (culling(source) == CULL_CLOSED && REJECT && is_outside);
 }
 
@@ -154,7 +154,7 @@ fn sort_triangle(view: View, t: u32, local: vec3<u32>, is_masked: bool, away: f3
     let a = placed(local.x);
     let b = placed(local.y);
     let c = placed(local.z);
-    if is_behind(a, b, c) {
+    if is_outside(view, a, b, c) {
         return;
     }
     var is_large = !is_near(a, b, c);
@@ -211,10 +211,10 @@ fn draw_row(view: View, source: ChunkSource, square: u32, row: u32, count: u32) 
             atomicLoad(&depths[at.w]),
         );
         for (var i = 0; i < 4; i += 1) {
-            if quad[i] > 0u && stored[i] <= quad[i] {
+            if quad[i] > stored[i] {
                 atomicMax(&depths[at[i]], quad[i]);
-                may_win = true;
             }
+            may_win = may_win || (quad[i] > 0u && may_be_numbered(triangle, bitcast<f32>(quad[i]), bitcast<f32>(stored[i])));
         }
     }
     if may_win {

@@ -51,7 +51,7 @@ fn number_triangle(view: View, number: u32, square: u32) {
             let stored = vec4<u32>(depths[at.x], depths[at.y], depths[at.z], depths[at.w]);
             for (var i = 0; i < 4; i += 1) {
                 let q = scaled_direction(vec2<f32>(texel_u(view, f32(x + i)), v));
-                let is_same = is_same_depth(depth_at(triangle, q), bitcast<f32>(stored[i]));
+                let is_same = is_same_depth(triangle, depth_at(triangle, q), bitcast<f32>(stored[i]));
                 if stored[i] != 0u && is_same && covers_nearly(triangle, q) && x + i <= span.y {
                     atomicMax(&numbers[at[i]], number);
                 }

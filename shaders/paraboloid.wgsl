@@ -54,31 +54,3 @@ fn dp_solid_angle_density(p: vec2<f32>) -> f32 {
 fn dp_texel_angle(p: vec2<f32>, texel: f32) -> f32 {
     return texel * 2.0 / (1.0 + dot(p, p));
 }
-
-fn dp_edge_curvature(a: vec2<f32>, b: vec2<f32>) -> f32 {
-    let swap = b.x < a.x || (b.x == a.x && b.y < a.y);
-    let p = select(a, b, swap);
-    let q = select(b, a, swap);
-    let n = cross(dp_unproject_scaled(p), dp_unproject_scaled(q));
-    let l = length(n);
-    return select(0.0, min(abs(n.z) / l, 1.0), l > 0.0);
-}
-
-fn dp_sagitta(chord: f32, curvature: f32) -> f32 {
-    let half = 0.5 * chord * curvature;
-    return 0.25 * chord * chord * curvature / (1.0 + sqrt(max(1.0 - half * half, 0.0)));
-}
-
-fn dp_edge_bend(a: vec2<f32>, b: vec2<f32>, texels: f32) -> f32 {
-    let d = b - a;
-    return 0.125 * texels * dot(d, d);
-}
-
-fn dp_bisect(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
-    let swap = b.x < a.x || (b.x == a.x && (b.y < a.y || (b.y == a.y && b.z < a.z)));
-    let p = select(a, b, swap);
-    let q = select(b, a, swap);
-    let lp = length(p);
-    let lq = length(q);
-    return p + (q - p) * (lp / (lp + lq));
-}

@@ -4,6 +4,13 @@
 
 // Maps of a light.
 const SQUARES: u32 = 2u;
+// Length of the longest q.
+const LONGEST_DIRECTION: f32 = 1.0;
+
+// A map's upper left texel, and its layer.
+fn square_origin(view: View, square: u32) -> vec3<u32> {
+    return vec3<u32>(view.left + square * u32(view.resolution), view.top, view.layer);
+}
 
 fn square_space(view: View, relative: vec3<f32>, square: u32) -> vec3<f32> {
     let x = vec3<f32>(dot(view.right, relative), dot(view.up, relative), dot(view.forward, relative));
@@ -22,6 +29,11 @@ fn corner_of(view: View, relative: vec3<f32>, square: u32) -> Corner {
     let w = dp_homogeneous_w(place);
     let is_behind = place.z < view.behind * length(place);
     return Corner(place, select(w, -max(w, 1e-30), is_behind), dp_project(place));
+}
+
+// Whether all corners are behind the map. Then so is all between them, since what is behind is a convex cone.
+fn is_outside(view: View, a: Corner, b: Corner, c: Corner) -> bool {
+    return max(a.w, max(b.w, c.w)) < 0.0;
 }
 
 fn scaled_direction(p: vec2<f32>) -> vec3<f32> {
@@ -54,10 +66,9 @@ fn slope_along_row(e: vec3<f32>, u: f32) -> f32 {
     return e.x - e.z * u;
 }
 
-// How much a plane's product with q may differ, within h of c along each axis, from that at c.
-fn spread(e: vec3<f32>, c: vec2<f32>, h: f32) -> f32 {
-    let slope = abs(e.xy - e.z * c);
-    return (slope.x + slope.y) * h + abs(e.z) * h * h;
+// How much a plane's product with q may differ, within h of c along the axes, from that at c.
+fn spread(e: vec3<f32>, c: vec2<f32>, h: vec2<f32>) -> f32 {
+    return dot(abs(e.xy - e.z * c), h) + 0.5 * abs(e.z) * dot(h, h);
 }
 
 // Whether anything is looked up as near to the axis as p: within the guard band's disc.

@@ -118,7 +118,7 @@ fn resolve_row(view: View, source: ChunkSource, chunk: u32, square: u32, rows: v
         );
         for (var i = 0; i < 4; i += 1) {
             if NUMBERS {
-                if quad[i] > 0u && is_same_depth(bitcast<f32>(quad[i]), bitcast<f32>(stored[i])) {
+                if quad[i] > 0u && is_same_depth(triangle, bitcast<f32>(quad[i]), bitcast<f32>(stored[i])) {
                     atomicMax(&numbers[at[i]], number);
                 }
             } else if quad[i] > 0u && stored[i] <= quad[i] {

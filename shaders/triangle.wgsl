@@ -23,11 +23,6 @@ fn corners_of(packed: u32) -> vec3<u32> {
     return vec3<u32>(packed, packed >> 8u, packed >> 16u) & vec3<u32>(0xffu);
 }
 
-// Whether all corners are behind the map. Then so is all between them, since what isn't is a convex cone.
-fn is_behind(a: Corner, b: Corner, c: Corner) -> bool {
-    return max(a.w, max(b.w, c.w)) < 0.0;
-}
-
 fn comes_first(a: vec3<f32>, b: vec3<f32>) -> bool {
     return a.x < b.x || (a.x == b.x && (a.y < b.y || (a.y == b.y && a.z < b.z)));
 }
@@ -41,16 +36,25 @@ fn edge_normal(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return select(e, -e, swap);
 }
 
-// Normal of a triangle, from its two shorter edges: those of thin ones keep their digits.
+// Normal of a triangle, from its two shorter edges: those of thin ones keep their digits. What rounding tilts it along the
+// longest edge is taken off again, since the thinner a triangle, the more that is.
 fn triangle_normal(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     let e = b - a;
     let f = c - b;
     let g = a - c;
     let squares = vec3<f32>(dot(e, e), dot(f, f), dot(g, g));
     if squares.x >= max(squares.y, squares.z) {
-        return cross(f, g);
+        return without(cross(f, g), e, squares.x);
     }
-    return cross(e, select(f, -g, squares.y >= squares.z));
+    if squares.y >= squares.z {
+        return without(cross(g, e), f, squares.y);
+    }
+    return without(cross(e, f), g, squares.z);
+}
+
+// A vector without what it has of another one, whose square is given.
+fn without(n: vec3<f32>, along: vec3<f32>, square: f32) -> vec3<f32> {
+    return n - along * (dot(n, along) / max(square, 1e-37));
 }
 
 // The one of three points that is nearest to the light.
@@ -135,11 +139,22 @@ fn covers_nearly(triangle: Triangle, q: vec3<f32>) -> bool {
     return all(edges >= -SAME_EDGE * lengths);
 }
 
-// How far apart, relatively, two shaders may find the depth of one triangle at one texel.
+// How far apart two shaders may find the depth of one triangle at one texel: relative to what is summed, which cancels where
+// the triangle is seen at a grazing angle.
 const SAME_DEPTH: f32 = 1e-6;
 
-fn is_same_depth(z: f32, depth: f32) -> bool {
-    return abs(z - depth) <= SAME_DEPTH * depth;
+fn is_same_depth(triangle: Triangle, z: f32, depth: f32) -> bool {
+    return abs(z - depth) <= same_depth_margin(triangle, depth);
+}
+
+fn same_depth_margin(triangle: Triangle, depth: f32) -> f32 {
+    return SAME_DEPTH * (depth + LONGEST_DIRECTION * length(triangle.plane));
+}
+
+// Whether a triangle may have a texel's depth in the end, by what the texel holds so far. Whichever is drawn first, all that
+// do are found.
+fn may_be_numbered(triangle: Triangle, z: f32, so_far: f32) -> bool {
+    return z >= so_far - 3.0 * same_depth_margin(triangle, so_far);
 }
 
 fn depth_at(triangle: Triangle, q: vec3<f32>) -> f32 {
@@ -149,7 +164,7 @@ fn depth_at(triangle: Triangle, q: vec3<f32>) -> f32 {
 // The part of a row that a plane doesn't exclude, relative to its middle, which reaches `half` to either side.
 fn trimmed(span: vec2<f32>, e: vec3<f32>, middle: vec2<f32>, half: f32) -> vec2<f32> {
     let at = dot(e, scaled_direction(middle));
-    let bent = spread(vec3<f32>(0.0, 0.0, e.z), vec2<f32>(0.0), half);
+    let bent = spread(vec3<f32>(0.0, 0.0, e.z), vec2<f32>(0.0), vec2<f32>(half, 0.0));
     let slope = slope_along_row(e, middle.x);
     let pad = bent + 1e-6 * (abs(e.x) + abs(e.y) + abs(e.z));
     let cut = clamp(-(at + pad) / slope, -2.0 * half, 2.0 * half);

@@ -17,7 +17,7 @@ struct View {
     resolution: f32,
     // A direction is behind a hemisphere when its z is below this.
     behind: f32,
-    // Bit 0 the front, bit 1 the back.
+    // Bit 0 the front, bit 1 the back; all bits set for all directions.
     hemispheres: u32,
     // Chunks are 0 to below this.
     end_chunk: u32,

@@ -37,20 +37,22 @@ pub(crate) struct Item {
 pub(crate) const TILE: u32 = 16;
 /// Tiles across a block; twin of `BLOCK`.
 const BLOCK: u32 = 8;
-/// Large triangles of an item that there is room for at most, counted in each hemisphere; with more they are drawn another
+/// Large triangles of an item that there is room for at most, counted in each map; with more they are drawn another
 /// way.
 const MOST_RECORDS: u64 = 1 << 18;
+/// Small triangles of an item that there is room for at most; so many have half of a binding's 128 MiB.
+const MOST_WINNERS: u64 = 1 << 24;
 /// Jobs of the binning that there is room for however few records.
 const FEWEST_JOBS: u64 = 1 << 16;
-/// Words of a chunk's bits, of both lists and hemispheres, and of its entries in the lists; twins of `PART_BITS` and others.
-const BITS: u32 = 2 * 2 * (8 + 1);
+/// Words of a part's bits in both lists, and of its entries in the lists; twins of `PART_BITS` and others.
+const BITS: u32 = 2 * (8 + 1);
 /// Bytes of the workspace of a batch of several items.
 const BATCH_BYTES: u64 = 128 << 20;
 
 /// What an item needs of the workspace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Share {
-    /// Tiles of both hemispheres.
+    /// Tiles of all maps.
     pub(crate) tiles: u32,
     pub(crate) records: u32,
     pub(crate) jobs: u32,
@@ -65,38 +67,45 @@ pub(crate) struct Share {
 impl Share {
     pub(crate) fn new(shape: &MapShape, casters: &Casters) -> Self {
         let across = shape.tiles();
-        let most = 2 * casters.triangle_count();
+        let squares = shape.projection.squares;
+        let most = u64::from(squares) * casters.triangle_count();
         let records = most.clamp(64, MOST_RECORDS);
         let most_jobs = records * u64::from(across.div_ceil(BLOCK));
         let jobs = most_jobs.min(FEWEST_JOBS.max(4 * records));
         // At most one for each texel, nearly always.
-        let winners = most.clamp(64, u64::from(2 * shape.resolution * shape.resolution).max(64));
+        let texels = u64::from(squares) * u64::from(shape.resolution) * u64::from(shape.resolution);
+        let winners = most.min(texels.min(MOST_WINNERS)).max(64);
         Self {
-            tiles: 2 * across * across,
+            tiles: shape.all_tiles(),
             records: records as u32,
             jobs: jobs as u32,
             winners: winners as u32,
-            bits: BITS * casters.chunk_count().max(1),
+            bits: squares * BITS * casters.chunk_count().max(1),
             overflows: most > records.min(winners) || most_jobs > jobs,
         }
     }
 
-    /// The same with room for `most` records.
-    pub(crate) fn with_records(self, most: u32) -> Self {
-        Self { records: most, overflows: self.overflows || most < self.records, ..self }
+    /// The same with room for so many records and jobs at most.
+    pub(crate) fn with_at_most(self, records: u32, jobs: u32) -> Self {
+        let overflows = self.overflows || records < self.records || jobs < self.jobs;
+        Self { records: records.min(self.records), jobs: jobs.min(self.jobs), overflows, ..self }
     }
 
     /// Bytes of an item's share, with lists of `room` entries.
     pub(crate) fn bytes(&self, room: u32) -> u64 {
         let texels = 8 * u64::from(TILE * TILE);
         let tiles = u64::from(self.tiles) * (texels + 8 + 4 * u64::from(room));
-        tiles + 64 * u64::from(self.records) + 4 * (u64::from(self.jobs) + u64::from(self.winners) + u64::from(self.bits))
+        tiles
+            + 64 * u64::from(self.records)
+            + 4 * (u64::from(self.jobs) + u64::from(self.winners) + u64::from(self.bits))
     }
 
     /// Items of a batch, of so many as there are. `limit` is the most that a buffer may have.
     pub(crate) fn items(&self, lights: u32, room: u32, limit: u64) -> u32 {
         let list = 4 * u64::from(room.max(TILE * TILE)) * u64::from(self.tiles);
-        let widest = list.max(64 * u64::from(self.records)).max(4 * u64::from(self.bits));
+        let lists = 4 * (u64::from(self.jobs) + u64::from(self.winners));
+        let widest =
+            [list, lists, 64 * u64::from(self.records), 4 * u64::from(self.bits)].into_iter().fold(1, u64::max);
         let fit = (BATCH_BYTES / self.bytes(room)).min(limit / widest);
         fit.clamp(1, u64::from(MOST_ITEMS.min(lights.max(1)))) as u32
     }

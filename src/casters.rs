@@ -279,6 +279,7 @@ impl Casters {
         let (vertices, triangles) = (cut.vertices.len() as u32, cut.triangles.len() as u32);
         self.local_vertices.check(self.local_ranges.end_after(vertices))?;
         self.triangles.check(self.triangle_ranges.end_after(triangles))?;
+        self.neighbours.check(self.triangle_ranges.end_after(triangles))?;
         if let Some(mask) = &mesh.mask {
             self.masks.check(mask, vertices)?;
         }

@@ -35,7 +35,7 @@ impl Bounds {
     }
 }
 
-/// What the route may do with the triangles of a chunk that face away from the light.
+/// What the cull stage may do with the triangles of a chunk that face away from the light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Culling {
     /// They cast.

@@ -2,7 +2,7 @@
 
 use crate::casters::Casters;
 use crate::gpu::{self, Binding, Workgroups};
-use crate::view::SLOT;
+use crate::view::{Projection, SLOT};
 use crate::workspace::Workspace;
 
 /// Threads of a workgroup; twin of the constant in the shader.
@@ -16,11 +16,11 @@ pub(crate) struct Number {
 }
 
 impl Number {
-    pub(crate) fn new(device: &wgpu::Device, workgroups: Workgroups) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, projection: Projection, workgroups: Workgroups) -> Self {
         use Binding::{Read, Uniform, Write};
         let bindings = [Uniform, Read, Read, Read, Read, Write, Read, Read];
         let layout = gpu::layout(device, "number", wgpu::ShaderStages::COMPUTE, &bindings);
-        let module = gpu::shader(device, "number", crate::wgsl::number());
+        let module = gpu::shader(device, "number", crate::wgsl::number(projection));
         let pipeline = gpu::compute_pipeline(device, "number", &module, &[&layout], &[]);
         Self { pipeline, layout, workgroups }
     }
@@ -45,7 +45,14 @@ impl Number {
     }
 
     /// Records a batch of `items` items, of which `first` is the first of the recording, with at most `winners` each.
-    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, first: u32, items: u32, winners: u32) {
+    pub(crate) fn record(
+        &self,
+        pass: &mut wgpu::ComputePass,
+        group: &wgpu::BindGroup,
+        first: u32,
+        items: u32,
+        winners: u32,
+    ) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[first * SLOT as u32]);
         pass.dispatch_workgroups(winners.div_ceil(THREADS).clamp(1, self.workgroups.list_groups()), 1, items);

@@ -20,12 +20,12 @@ macro_rules! mapping {
         use glam::{swizzles::*, $vec2, $vec3, $vec4};
 
         /// A vertex whose direction is farther than this from the hemisphere's axis, as the cosine of the
-        /// angle (120 degrees), can't belong to a triangle that touches the disc, since no drawn edge is
-        /// longer than [`LONGEST_EDGE`] and the guard band ends before 98 degrees.
+        /// angle (120 degrees), can't belong to a triangle that the hardware draws and that touches the disc, since
+        /// none of its edges is longer than [`LONGEST_EDGE`] and the guard band ends before 98 degrees.
         pub const BEHIND: $float = -0.5;
 
-        /// The longest edge, in map coordinates, that is ever drawn without being split (20 degrees on the axis, 10 at
-        /// the rim), however little it bends: keeps triangles around the axis behind out of the map.
+        /// The longest edge, in map coordinates, of casters that the hardware draws (20 degrees on the axis, 10 at the
+        /// rim), however little it bends: keeps triangles around the axis behind out of the map.
         pub const LONGEST_EDGE: $float = 0.17;
 
         /// Light space to hemisphere space and back: the identity for the front, half a turn about Y for
@@ -114,71 +114,19 @@ macro_rules! mapping {
             texel * 2.0 / (1.0 + p.dot(p))
         }
 
-        /// Curvature of the arc that the straight edge between two directions makes in the map, given their
-        /// map coordinates: `|n.z|`, with `n` the unit normal of the plane through the edge and the light.
-        /// In [0, 1]; 0 for an edge of no length and for one that passes the axis. The arc is part of the
-        /// circle with centre `n.xy / n.z` and radius `1 / |n.z|`.
-        ///
-        /// The same to the bit when the ends are exchanged.
-        #[must_use]
-        pub fn edge_curvature(a: $vec2, b: $vec2) -> $float {
-            let swap = b.x < a.x || (b.x == a.x && b.y < a.y);
-            let (p, q) = if swap { (b, a) } else { (a, b) };
-            let n = unproject_scaled(p).cross(unproject_scaled(q));
-            let length = n.length();
-            if length > 0.0 { (n.z.abs() / length).min(1.0) } else { 0.0 }
-        }
-
         /// Circle of the map that holds the edge between two points of hemisphere space, as centre and
-        /// radius in map coordinates. The radius is infinite for an edge in a plane through the axis.
+        /// radius, at least 1, in map coordinates. The radius is infinite for an edge in a plane through the axis.
         #[must_use]
         pub fn edge_arc(a: $vec3, b: $vec3) -> ($vec2, $float) {
             let n = a.cross(b).normalize_or_zero();
             (n.xy() / n.z, 1.0 / n.z.abs())
         }
 
-        /// Largest distance between an arc and its chord, both in map coordinates, for an arc of at most
-        /// half a circle: `(1 - sqrt(1 - (c k/2)^2))/k`, close to `c^2 k/8`. Right for a curvature of 0 too.
-        #[must_use]
-        pub fn sagitta(chord: $float, curvature: $float) -> $float {
-            let half = 0.5 * chord * curvature;
-            0.25 * chord * chord * curvature / (1.0 + (1.0 - half * half).max(0.0).sqrt())
-        }
-
-        /// How far the edge between two map coordinates may bend from its chord, in texels: `c^2/8` for a chord of
-        /// length `c`, which is about the [`sagitta`] of an edge as curved as edges get. `texels` is the number of
-        /// texels per unit of map coordinates, `R / (2 (1 + g))`.
-        ///
-        /// It bounds two errors at once. A chord misses its arc by at most the bend, and depth that is interpolated
-        /// over a triangle of such edges is off its plane by at most `4/3 |N.z|` of it in texel footprints along the
-        /// plane's unit normal `N`, since `1/w` interpolated less `1/w` exact is
-        /// `N.z/(2 D) (|p|^2 - sum b_i |p_i|^2)`.
-        ///
-        /// Only the two ends count, and their order doesn't, so triangles that share an edge agree.
-        #[must_use]
-        pub fn edge_bend(a: $vec2, b: $vec2, texels: $float) -> $float {
-            let d = b - a;
-            0.125 * texels * d.dot(d)
-        }
-
-        /// The angle, in radians, that an edge may span anywhere in the disc without being split for its
-        /// [bend](edge_bend); `tolerance` in texels, `texels` per unit of map coordinates. An underestimate except at the rim.
+        /// The angle, in radians, that an edge may span anywhere in the disc for its chord to miss its arc by at most a
+        /// `tolerance` in texels, of which there are `texels` per unit of map coordinates. An underestimate except at the rim.
         #[must_use]
         pub fn angle_limit(texels: $float, tolerance: $float) -> $float {
             (8.0 * tolerance / texels).sqrt().min(2.0)
-        }
-
-        /// Where the bisector of the angle at the light meets the edge between `a` and `b` (relative to the
-        /// light, any orientation): splitting there halves the angle exactly. The light itself for an edge
-        /// through the light.
-        ///
-        /// The same to the bit when the ends are exchanged.
-        #[must_use]
-        pub fn bisect(a: $vec3, b: $vec3) -> $vec3 {
-            let swap = b.x < a.x || (b.x == a.x && (b.y < a.y || (b.y == a.y && b.z < a.z)));
-            let (p, q) = if swap { (b, a) } else { (a, b) };
-            let (lp, lq) = (p.length(), q.length());
-            p + (q - p) * (lp / (lp + lq))
         }
     };
 }

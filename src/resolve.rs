@@ -4,7 +4,7 @@
 use crate::casters::Casters;
 use crate::gpu::{self, Binding, Workgroups};
 use crate::mask;
-use crate::view::SLOT;
+use crate::view::{Projection, SLOT};
 use crate::workspace::Workspace;
 
 #[derive(Debug)]
@@ -19,12 +19,12 @@ pub(crate) struct Resolve {
 }
 
 impl Resolve {
-    pub(crate) fn new(device: &wgpu::Device, workgroups: Workgroups) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, projection: Projection, workgroups: Workgroups) -> Self {
         use Binding::{Read, Uniform, Write};
         let bindings = [Uniform, Read, Read, Read, Write, Write, Write];
         let layout = gpu::layout(device, "resolve", wgpu::ShaderStages::COMPUTE, &bindings);
         let mask_layout = mask::layout(device);
-        let module = gpu::shader(device, "resolve", crate::wgsl::resolve());
+        let module = gpu::shader(device, "resolve", crate::wgsl::resolve(projection));
         let pipeline = |numbers: bool| {
             let constants = [
                 ("THREADS", f64::from(workgroups.chunk_threads())),
@@ -65,13 +65,13 @@ impl Resolve {
         groups: &[wgpu::BindGroup; 2],
         first: u32,
         items: u32,
-        chunks: u32,
+        parts: u32,
         numbers: bool,
     ) {
         pass.set_pipeline(if numbers { &self.numbers } else { &self.deferred });
         pass.set_bind_group(0, &groups[0], &[first * SLOT as u32]);
         pass.set_bind_group(1, &groups[1], &[]);
-        let groups = (2 * chunks).clamp(1, self.workgroups.most_groups());
+        let groups = parts.clamp(1, self.workgroups.most_groups());
         pass.dispatch_workgroups(groups, self.workgroups.bands(), items);
     }
 }

@@ -6,6 +6,13 @@ use crate::gpu;
 /// Words of an item's counters; twins in `shaders/view.wgsl`.
 const COUNTERS: u32 = 8;
 
+/// The most that an item has, for tests.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Most {
+    pub(crate) records: Option<u32>,
+    pub(crate) jobs: Option<u32>,
+}
+
 /// Buffers that the stages share.
 #[derive(Debug)]
 pub(crate) struct Workspace {
@@ -23,8 +30,7 @@ pub(crate) struct Workspace {
     pub(crate) state: wgpu::Buffer,
     share: Share,
     room: u32,
-    /// The most records of an item, for tests.
-    most_records: Option<u32>,
+    most: Most,
     /// Items of a batch.
     items: u32,
     /// Items of a recording that there are counters for.
@@ -33,14 +39,7 @@ pub(crate) struct Workspace {
 
 impl Workspace {
     /// For batches of `items` items, of `counted` in all, and lists of `room` entries a tile.
-    pub(crate) fn new(
-        device: &wgpu::Device,
-        share: Share,
-        room: u32,
-        most_records: Option<u32>,
-        items: u32,
-        counted: u32,
-    ) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, share: Share, room: u32, most: Most, items: u32, counted: u32) -> Self {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         let buffer = |what, words: u32, each: u32| {
             gpu::buffer(device, what, 4 * u64::from(words) * u64::from(each) * u64::from(items), usage)
@@ -56,7 +55,7 @@ impl Workspace {
             state: gpu::buffer(device, "workspace::state", state, usage),
             share,
             room,
-            most_records,
+            most,
             items,
             counted,
         }
@@ -64,7 +63,7 @@ impl Workspace {
 
     /// Makes room, or gives it back where much is unused; returns whether buffers were replaced.
     pub(crate) fn fit(&mut self, device: &wgpu::Device, share: Share, lights: u32, counted: u32) -> bool {
-        let share = self.most_records.map_or(share, |most| share.with_records(most));
+        let share = share.with_at_most(self.most.records.unwrap_or(u32::MAX), self.most.jobs.unwrap_or(u32::MAX));
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let items = share.items(lights, self.room, limit);
@@ -83,7 +82,7 @@ impl Workspace {
         // A quarter more, so that a scene that grows step by step isn't given new buffers with each.
         let more = |x: u32| x + x / 4;
         let roomy = if fits { share } else { Share { bits: more(share.bits), ..share } };
-        *self = Self::new(device, roomy, self.room, self.most_records, items, more(counted).max(MOST_ITEMS));
+        *self = Self::new(device, roomy, self.room, self.most, items, more(counted).max(MOST_ITEMS));
         true
     }
 
@@ -125,7 +124,8 @@ impl Workspace {
     }
 
     pub(crate) fn memory(&self) -> u64 {
-        let buffers = [&self.depths, &self.numbers, &self.tiles, &self.tile_lists, &self.records, &self.lists, &self.state];
+        let buffers =
+            [&self.depths, &self.numbers, &self.tiles, &self.tile_lists, &self.records, &self.lists, &self.state];
         buffers.into_iter().map(wgpu::Buffer::size).sum()
     }
 }

@@ -17,7 +17,7 @@ use super::error_figures::{
 };
 use super::fill;
 use super::gpu::Gpu;
-use super::ideal::{BIAS, NORMAL_BIAS, IdealMap, Lookup, MapGeometry, ideal_map};
+use super::ideal::{BIAS, IdealMap, Lookup, MapGeometry, NORMAL_BIAS, ideal_map};
 use super::reference::{self, Reference, View};
 use super::scene::Scene;
 use super::votes_v1::VotesV1;

@@ -16,6 +16,7 @@ pub mod gpu;
 pub mod ideal;
 pub mod lookup_cost;
 pub mod measure;
+pub mod numbered;
 pub mod procedural;
 pub mod reference;
 pub mod scene;

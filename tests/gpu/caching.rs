@@ -101,9 +101,19 @@ fn record(shadows: &mut PointShadows, casters: &mut Casters, most: Option<u32>) 
     made.unwrap()
 }
 
-/// The bits of a light's map.
-fn bits(shadows: &PointShadows, light: LightId) -> Vec<u32> {
-    gpu().read_texture(shadows.maps(), light.index())
+/// The bits of a light's map, of the hemispheres that the light has: what is behind one that has but one stays as it was.
+fn bits(shadows: &PointShadows, id: LightId, light: &PointLight) -> Vec<u32> {
+    in_sight(gpu().read_texture(shadows.maps(), id.index()), light)
+}
+
+/// The same of the numbers of its triangles.
+fn numbers(shadows: &PointShadows, id: LightId, light: &PointLight) -> Vec<u32> {
+    in_sight(gpu().read_texture(shadows.numbers(), id.index()), light)
+}
+
+fn in_sight(texels: Vec<u32>, light: &PointLight) -> Vec<u32> {
+    let width = if light.coverage == Coverage::Full { 2 * RESOLUTION } else { RESOLUTION } as usize;
+    texels.chunks(2 * RESOLUTION as usize).flat_map(|row| &row[..width]).copied().collect()
 }
 
 /// Shadows under test, with the handles of the world's lights.
@@ -183,14 +193,18 @@ impl World {
                 self.lights.push(light);
                 for subject in &mut self.subjects {
                     let id = subject.shadows.add(light).unwrap();
-                    subject.before.push(bits(&subject.shadows, id));
+                    subject.before.push(bits(&subject.shadows, id, &light));
                     subject.lights.push(id);
                 }
             }
             Step::SetLight { light, to } if !self.lights.is_empty() => {
                 let light = light % self.lights.len();
                 self.lights[light] = to;
-                self.subjects.iter_mut().for_each(|s| s.shadows.set(s.lights[light], to).unwrap());
+                for subject in &mut self.subjects {
+                    subject.shadows.set(subject.lights[light], to).unwrap();
+                    // With another coverage other hemispheres are compared.
+                    subject.before[light] = bits(&subject.shadows, subject.lights[light], &to);
+                }
             }
             Step::SetPriority { light, priority } if !self.lights.is_empty() => {
                 let light = light % self.lights.len();
@@ -216,13 +230,19 @@ impl World {
             let made = record(&mut subject.shadows, &mut self.casters, subject.limited.then_some(most));
             let mut changed = 0;
             for (number, expected) in expected.iter().enumerate() {
-                let map = bits(&subject.shadows, subject.lights[number]);
+                let map = bits(&subject.shadows, subject.lights[number], &self.lights[number]);
                 let kept = map == subject.before[number];
                 assert!(map == *expected || (subject.limited && kept), "light {number} of {:?}", self.lights);
                 changed += u32::from(!kept);
                 subject.before[number] = map;
             }
             assert!(changed <= made && (!subject.limited || made <= most), "{changed} changed, {made} made of {most}");
+        }
+        // Those of other casters' triangles would be other numbers.
+        let [plain, kept, ..] = &self.subjects[..] else { return };
+        for (number, light) in self.lights.iter().enumerate() {
+            let [plain, kept] = [plain, kept].map(|s| numbers(&s.shadows, s.lights[number], light));
+            assert!(plain == kept, "numbers of light {number} of {:?}", self.lights);
         }
         self.checked += 1;
     }
@@ -234,7 +254,8 @@ impl World {
             let made = |_| record(&mut subject.shadows, &mut self.casters, Some(1));
             let made: Vec<u32> = (0..CAPACITY).map(made).collect();
             assert!(made.is_sorted_by(|a, b| a >= b), "{made:?}");
-            subject.before = subject.lights.iter().map(|&id| bits(&subject.shadows, id)).collect();
+            let lights = subject.lights.iter().zip(&self.lights);
+            subject.before = lights.map(|(&id, light)| bits(&subject.shadows, id, light)).collect();
             assert_eq!(record(&mut subject.shadows, &mut self.casters, None), 0);
         }
         self.record(0);
@@ -251,7 +272,7 @@ impl World {
         }
         let ids: Vec<LightId> = self.lights.iter().map(|light| self.fresh.add(*light).unwrap()).collect();
         assert_eq!(record(&mut self.fresh, &mut casters, None), ids.len() as u32);
-        let maps = ids.iter().map(|&id| bits(&self.fresh, id)).collect();
+        let maps = ids.iter().zip(&self.lights).map(|(&id, light)| bits(&self.fresh, id, light)).collect();
         ids.into_iter().for_each(|id| self.fresh.remove(id).unwrap());
         maps
     }

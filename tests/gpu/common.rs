@@ -1,10 +1,12 @@
 //! The shared device, and shorthands over it.
 
+use dual_paraboloid::compare::fill;
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::procedural::shapes;
-use dual_paraboloid::compare::scene::SceneMesh;
+use dual_paraboloid::compare::scene::{Scene, SceneMesh};
 use dual_paraboloid::{
     CasterMesh, Casters, Indices, InstanceId, LightId, MeshId, PointLight, PointShadows, PointShadowsDescriptor, Sides,
+    Tuning, Workgroups,
 };
 use glam::{Affine3A, Vec2, Vec3};
 use std::sync::OnceLock;
@@ -25,6 +27,13 @@ pub fn soup(triangles: &[[Vec3; 3]], sides: Sides) -> Casters {
         let mesh = casters.add_mesh(&mesh).unwrap();
         casters.add_instance(mesh, Affine3A::IDENTITY).unwrap();
     }
+    casters
+}
+
+/// A scene's casters.
+pub fn filled(scene: &Scene) -> Casters {
+    let mut casters = Casters::new(&gpu().device);
+    fill(&mut casters, gpu(), scene, Sides::Auto).unwrap();
     casters
 }
 
@@ -57,14 +66,9 @@ pub fn descriptor(resolution: u32) -> PointShadowsDescriptor {
 /// Shadows with one light, recorded.
 pub fn record(mut shadows: PointShadows, casters: &mut Casters, light: PointLight) -> (PointShadows, LightId) {
     let id = shadows.add(light).unwrap();
-    let mut again = || {
-        let count = gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, casters)).unwrap();
-        gpu().wait();
-        count
-    };
-    assert_eq!(again(), 1);
-    // A second time where there wasn't room for all pieces.
-    again();
+    let made = gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, casters)).unwrap();
+    gpu().wait();
+    assert_eq!(made, 1);
     (shadows, id)
 }
 
@@ -76,15 +80,70 @@ pub fn map(casters: &mut Casters, light: PointLight, resolution: u32) -> Map {
 }
 
 /// A light's map from every triangle.
-pub fn unrouted_map(casters: &mut Casters, light: PointLight, resolution: u32) -> Map {
+pub fn unculled_map(casters: &mut Casters, light: PointLight, resolution: u32) -> Map {
     let shadows = PointShadows::new_unrouted(&gpu().device, &descriptor(resolution)).unwrap();
     let (shadows, id) = record(shadows, casters, light);
     Map::read(&shadows, id)
 }
 
+/// Makes one map after another, with the stages set to work in some way.
+pub struct Rasteriser {
+    pub name: &'static str,
+    pub shadows: PointShadows,
+}
+
+impl Rasteriser {
+    pub fn new((name, tuning): (&'static str, Tuning), resolution: u32) -> Self {
+        let shadows = PointShadows::tuned(&gpu().device, &descriptor(resolution), &tuning).unwrap();
+        Self { name, shadows }
+    }
+
+    /// One for each tuning.
+    pub fn all(tunings: Vec<(&'static str, Tuning)>, resolution: u32) -> Vec<Self> {
+        tunings.into_iter().map(|tuning| Self::new(tuning, resolution)).collect()
+    }
+
+    pub fn map(&mut self, casters: &mut Casters, light: PointLight) -> Map {
+        let Self { shadows, .. } = self;
+        let id = shadows.add(light).unwrap();
+        let made = gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, casters)).unwrap();
+        assert_eq!(made, 1);
+        let map = Map::read(shadows, id);
+        shadows.remove(id).unwrap();
+        map
+    }
+}
+
+/// As it is best for the device.
+pub fn tuning() -> Tuning {
+    Tuning::of(&gpu().device)
+}
+
+/// All ways to share triangles out between what is drawn at once and what the tiles draw, and without room for them.
+pub fn tunings() -> Vec<(&'static str, Tuning)> {
+    let gpu = Tuning { workgroups: Workgroups::Gpu, ..tuning() };
+    let software = Tuning { workgroups: Workgroups::Software, ..tuning() };
+    let (all_small, all_large) = (Some(100_000), Some(0));
+    vec![
+        ("GPU's", gpu),
+        ("GPU's, all small", Tuning { small: all_small, ..gpu }),
+        ("GPU's, all large", Tuning { small: all_large, ..gpu }),
+        ("GPU's, small to 5 texels", Tuning { small: Some(5), ..gpu }),
+        ("GPU's, one record", Tuning { small: all_large, records: Some(1), ..gpu }),
+        ("GPU's, one entry a tile", Tuning { small: all_large, room: 1, ..gpu }),
+        ("software's", software),
+        ("software's, all small", Tuning { small: all_small, ..software }),
+        ("software's, all large", Tuning { small: all_large, ..software }),
+        ("software's, small to 20 texels", Tuning { small: Some(20), ..software }),
+        ("software's, one record", Tuning { small: all_large, records: Some(1), ..software }),
+        ("software's, one entry a tile", Tuning { small: all_large, room: 1, ..software }),
+    ]
+}
+
 /// A pair of maps, read back.
 pub struct Map {
     pub depth: Vec<f32>,
+    pub numbers: Vec<u32>,
     pub resolution: u32,
     pub half_width: f32,
 }
@@ -96,12 +155,15 @@ pub struct Texel {
     /// Its centre in map coordinates.
     pub p: Vec2,
     pub depth: f32,
+    /// Of its triangle, or [`NO_NUMBER`](dual_paraboloid::compare::numbered::NO_NUMBER).
+    pub number: u32,
 }
 
 impl Map {
     pub fn read(shadows: &PointShadows, light: LightId) -> Self {
         let resolution = shadows.maps().height();
-        Self { depth: gpu().read_map(shadows, light), resolution, half_width: shadows.half_width() }
+        let numbers = gpu().read_texture(shadows.numbers(), light.index());
+        Self { depth: gpu().read_map(shadows, light), numbers, resolution, half_width: shadows.half_width() }
     }
 
     /// Width of a texel in map coordinates.
@@ -119,12 +181,16 @@ impl Map {
         let size = self.resolution;
         (0..2 * size * size).map(move |index| {
             let (column, j) = (index % (2 * size), index / (2 * size));
-            let (back, i) = (column >= size, column % size);
-            let half = 0.5 * size as f32;
-            let p = Vec2::new(i as f32 + 0.5 - half, half - j as f32 - 0.5) * self.texel();
-            let depth = self.depth[index as usize];
-            Texel { back, p, depth }
+            self.texel_at(column >= size, column % size, j)
         })
+    }
+
+    /// The texel in a column and a row of a hemisphere's map.
+    pub fn texel_at(&self, back: bool, i: u32, j: u32) -> Texel {
+        let half = 0.5 * self.resolution as f32;
+        let p = Vec2::new(i as f32 + 0.5 - half, half - j as f32 - 0.5) * self.texel();
+        let index = ((2 * j + u32::from(back)) * self.resolution + i) as usize;
+        Texel { back, p, depth: self.depth[index], number: self.numbers[index] }
     }
 
     /// Both discs with their guard bands, less one texel.

@@ -1,7 +1,10 @@
-//! Casters that the caller draws make the same maps as casters that the library holds.
+//! Casters that the caller draws make the maps of casters that the library holds, within what the hardware's straight edges
+//! are off.
 
-use crate::common::{Map, gpu};
+use crate::common::{Map, Texel, gpu};
+use dual_paraboloid::compare::numbered::NO_NUMBER;
 use dual_paraboloid::compare::procedural::shapes;
+use dual_paraboloid::paraboloid::double as paraboloid;
 use dual_paraboloid::{
     CasterMesh, CasterPass, Casters, Error, Indices, LightId, PointLight, PointShadows, PointShadowsDescriptor,
     RecordOptions, Sides, wgsl,
@@ -92,8 +95,8 @@ impl Scene {
             casters.add_instance(mesh, Affine3A::IDENTITY).unwrap();
         };
         let sphere = shapes::icosphere(2.0, 5);
-        // A part of it, so that the plate is seen.
-        let faces = sphere.indices.chunks_exact(3).step_by(2).flatten();
+        // A half of it, so that the plate is seen.
+        let faces = sphere.indices.chunks_exact(3).take(sphere.indices.len() / 6).flatten();
         let ball: Vec<[f32; 3]> = faces.map(|&vertex| sphere.positions[vertex as usize]).collect();
         add(&[[-9.0, -9.0, 1.5], [9.0, -9.0, 1.5], [0.0, 9.0, 1.5]]);
         if !own {
@@ -119,8 +122,40 @@ impl Scene {
     }
 }
 
+/// How far the depth of casters that keep to the angle limit is off along their normal, in texel footprints: half of the
+/// tenth of a texel by which their edges are.
+const CHORD: f64 = 0.05;
+
+/// Holds a map with the caller's own casters against that of casters that the library holds, `expected`, in which those that
+/// the caller draws here have no number of `plate`. Returns how many texels of theirs were compared.
+fn compare(map: &Map, expected: &Map, plate: &[u32]) -> usize {
+    let is_plate = |texel: &Texel| plate.contains(&texel.number);
+    let (mut compared, held_texels) = (0, expected.texels().collect::<Vec<Texel>>());
+    for (index, (texel, held)) in map.texels().zip(&held_texels).enumerate() {
+        if held.p.length() > 1.0 {
+            continue;
+        }
+        // Its neighbours in the disc tell whether an outline is near.
+        let row = 2 * RESOLUTION as usize;
+        let around =
+            [index - row, index, index + row].into_iter().flat_map(|middle| &held_texels[middle - 1..=middle + 1]);
+        let own = around.filter(|texel| texel.depth > 0.0 && !is_plate(texel)).count();
+        if own == 0 {
+            assert_eq!((texel.depth.to_bits(), is_plate(&texel)), (held.depth.to_bits(), is_plate(held)), "{texel:?}");
+        } else if own == 9 {
+            assert_eq!(texel.number, NO_NUMBER, "{texel:?}");
+            let footprint = paraboloid::texel_angle(texel.p.as_dvec2(), f64::from(map.texel()));
+            // The ball is seen nearly straight on, from its middle.
+            let off = f64::from(texel.depth / held.depth - 1.0).abs() / footprint;
+            assert!(off <= CHORD, "{texel:?} is off by {off} footprints from {held:?}");
+            compared += 1;
+        }
+    }
+    compared
+}
+
 #[test]
-fn the_callers_own_are_the_same_to_the_bit() {
+fn the_callers_own_are_those_held_within_the_chords() {
     let mut held = Scene::new(false);
     let (mut shadows, light) = held.shadows(false);
     assert_eq!(held.record(&mut shadows, None), 1);
@@ -129,8 +164,10 @@ fn the_callers_own_are_the_same_to_the_bit() {
         let longest = a.angle_between(b).max(b.angle_between(c)).max(c.angle_between(a));
         assert!(longest <= shadows.caster_angle_limit(), "{longest}");
     }
-    // Outside of the discs the library draws less, and nothing is looked up.
     let expected = Map::read(&shadows, light);
+    // The first mesh's chunk.
+    let plate: Vec<u32> = gpu().numbered_triangles(&held.casters).into_keys().filter(|number| *number < 256).collect();
+    assert_eq!(plate.len(), 1);
     for keep_static in [false, true] {
         let mut scene = Scene::new(true);
         let (mut shadows, light) = scene.shadows(keep_static);
@@ -143,8 +180,8 @@ fn the_callers_own_are_the_same_to_the_bit() {
         // Later the ones kept are drawn over.
         for _ in 0..2 {
             assert_eq!(scene.record(&mut shadows, Some(&mut draw)), 1);
-            let differences = expected.differences(&Map::read(&shadows, light));
-            assert!(differences.is_empty(), "keep_static {keep_static}: {differences:?}");
+            let compared = compare(&Map::read(&shadows, light), &expected, &plate);
+            assert!(compared > 200, "keep_static {keep_static}: {compared}");
             assert_eq!(scene.record(&mut shadows, Some(&mut draw)), 0, "nothing has changed");
             scene.casters.touch(Vec3::splat(30.0), Vec3::splat(40.0)).unwrap();
             assert_eq!(scene.record(&mut shadows, Some(&mut draw)), 0, "nothing has changed within range");

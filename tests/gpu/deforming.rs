@@ -9,7 +9,7 @@ use dual_paraboloid::{
 use glam::{Affine3A, Quat, Vec3};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-fn light() -> PointLight {
+pub fn light() -> PointLight {
     PointLight { position: Vec3::new(0.2, 2.5, -0.1), range: 50.0, ..Default::default() }
 }
 
@@ -74,6 +74,17 @@ fn cloths() -> [Cloth; 3] {
         Cloth { rest: rest(), texture: Some(checkerboard(2)), transform: turn, sides: Sides::Both },
         Cloth { rest: rest(), texture: None, transform: turn, sides: Sides::Front },
     ]
+}
+
+/// All cloths in one gust, whole, with holes and one-sided.
+pub fn deformed_cloths() -> Casters {
+    let mut casters = Casters::new(&gpu().device);
+    for subject in cloths() {
+        let instance = subject.add(&mut casters, &subject.rest.positions, true);
+        let buffer = positions_buffer(&cloth(&subject.rest, 1.0), 0, 12);
+        casters.deform(instance, &deformed(&buffer)).unwrap();
+    }
+    casters
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Scenes that break shadow maps, each judged against ray-cast truth and against the floor at its resolution. The
 //! figures show with `--nocapture`.
 
-use crate::claims::{made, slack_ppm};
+use crate::claims::{MARGIN, made};
 use crate::common::gpu;
 use dual_paraboloid::PointLight;
 use dual_paraboloid::compare::ideal::MapGeometry;
@@ -21,10 +21,9 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 
 const RESOLUTION: u32 = 256;
 const SAMPLES: usize = 100_000;
-/// What the library may add to the floor.
-const RATIO: f64 = 1.05;
-/// Wrong answers far from every boundary that the library may add, in parts per million.
-const FAR_WRONG: f64 = 20.0;
+/// Wrong answers that the library may add to those of the ray-cast map, in parts per million: five of all samples, for
+/// texels whose centre is on an edge.
+const ADDED: f64 = 50.0;
 
 /// Each mesh once, where it is. Both sides are lit, so that rooms are seen from inside.
 pub fn scene(meshes: impl IntoIterator<Item = SceneMesh>) -> Scene {
@@ -109,15 +108,15 @@ fn busiest_texels_ppm(truth: &Truth, geometry: &MapGeometry, texels: usize) -> f
 fn complaint(figures: &Figures, spare: f64) -> Option<String> {
     let (shadow, ideal, map) = (&figures.shadow.error, &figures.ideal, &figures.map);
     let [far, ideal_far] = figures.far_wrong_ppm;
-    let most = RATIO * ideal.wrong_ppm + slack_ppm(ideal.wrong_ppm, ideal.samples) + spare;
+    let most = ideal.wrong_ppm + ADDED + spare;
     if shadow.samples == 0 || map.texels == 0 {
         Some("nothing was judged".into())
     } else if shadow.wrong_ppm > most {
         Some(format!("{:.0} wrong per million, {most:.0} allowed", shadow.wrong_ppm))
-    } else if far > ideal_far + slack_ppm(ideal_far, ideal.samples) + FAR_WRONG + spare {
+    } else if far > ideal_far + ADDED + spare {
         Some(format!("{far:.0} far wrong, {ideal_far:.0} at the floor"))
-    } else if map.strays > 0 {
-        Some(format!("{} wrong texels far from a silhouette: {:.2} texels", map.strays, map.silhouette_distance_max))
+    } else if map.silhouette_distance_max > MARGIN {
+        Some(format!("wrong texels {} texels from a silhouette", map.silhouette_distance_max))
     } else {
         None
     }
@@ -126,7 +125,7 @@ fn complaint(figures: &Figures, spare: f64) -> Option<String> {
 fn print(name: &str, figures: &Figures) {
     let (shadow, ideal, map) = (&figures.shadow.error, &figures.ideal, &figures.map);
     println!(
-        "{name:34} lit {:.2}  wrong {:6.0} ideal {:6.0}  far {:4.0} ideal {:4.0}  holes {:3} phantoms {:3} strays {:3}",
+        "{name:34} lit {:.2}  wrong {:6.0} ideal {:6.0}  far {:4.0} ideal {:4.0}  holes {:3} phantoms {:3} wrong surface {:.1} ppm",
         shadow.lit_fraction,
         shadow.wrong_ppm,
         ideal.wrong_ppm,
@@ -134,7 +133,7 @@ fn print(name: &str, figures: &Figures) {
         figures.far_wrong_ppm[1],
         map.holes,
         map.phantoms,
-        map.strays
+        map.wrong_surface_ppm
     );
 }
 
@@ -376,12 +375,12 @@ fn random_orientations_of_the_light() {
         .collect();
     let spread = |of: &dyn Fn(&Figures) -> f64| {
         let (low, high) = runs.iter().map(of).fold((f64::MAX, 0.0f64), |(l, h), x| (l.min(x), h.max(x)));
-        (high - low, high)
+        high - low
     };
-    let (library, _) = spread(&|figures| figures.shadow.error.wrong_ppm);
-    let (floor, highest) = spread(&|figures| figures.ideal.wrong_ppm);
+    let library = spread(&|figures| figures.shadow.error.wrong_ppm);
+    let floor = spread(&|figures| figures.ideal.wrong_ppm);
     println!("spread over orientations: {library:.0}, of the floor {floor:.0}");
-    assert!(library <= RATIO * floor + slack_ppm(highest, SAMPLES), "{library} against {floor}");
+    assert!((library - floor).abs() <= 2.0 * ADDED, "{library} against {floor}");
 }
 
 /// A box, a tetrahedron or a plate in some pose.

@@ -1,8 +1,9 @@
 //! The memory that the library says it takes. `tests/device_features` holds that against the driver's own count.
 
-use crate::common::{add_spheres, gpu};
+use crate::common::{add_spheres, gpu, soup};
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::{Casters, PointLight, PointShadows, PointShadowsDescriptor};
+use dual_paraboloid::{Casters, PointLight, PointShadows, PointShadowsDescriptor, Sides};
+use glam::Vec3;
 
 fn frame(gpu: &Gpu, shadows: &mut PointShadows, casters: &mut Casters) -> u32 {
     let made = gpu.submit(|encoder| shadows.record(&gpu.device, &gpu.queue, encoder, casters)).unwrap();
@@ -10,23 +11,34 @@ fn frame(gpu: &Gpu, shadows: &mut PointShadows, casters: &mut Casters) -> u32 {
     made
 }
 
+/// What shadows of 32 texels across take beside the maps, with so many lights, once a triangle was drawn for them.
+fn beside_maps(lights: u32) -> u64 {
+    let mut casters =
+        soup(&[[Vec3::new(-1.0, -1.0, 2.0), Vec3::new(1.0, -1.0, 2.0), Vec3::new(0.0, 1.0, 2.0)]], Sides::Auto);
+    let descriptor = PointShadowsDescriptor { capacity: lights, resolution: 32, ..Default::default() };
+    let mut shadows = PointShadows::new(&gpu().device, &descriptor).unwrap();
+    for _ in 0..lights {
+        shadows.add(PointLight::default()).unwrap();
+    }
+    assert_eq!(frame(gpu(), &mut shadows, &mut casters), lights);
+    // Depths and numbers, of four bytes each.
+    shadows.memory() - u64::from(lights) * 2 * 32 * 32 * 8
+}
+
 #[test]
 fn many_lights_take_what_a_batch_needs() {
-    let memory = |lights: u32| {
-        let mut casters = Casters::new(&gpu().device);
-        add_spheres(&mut casters, 100);
-        let descriptor = PointShadowsDescriptor { capacity: lights, resolution: 32, ..Default::default() };
-        let mut shadows = PointShadows::new(&gpu().device, &descriptor).unwrap();
-        for number in 0..lights {
-            let range = if number == 0 { 200.0 } else { 0.1 };
-            shadows.add(PointLight { range, ..Default::default() }).unwrap();
-        }
-        assert_eq!(frame(gpu(), &mut shadows, &mut casters), lights);
-        shadows.memory() - u64::from(lights) * 4 * 2 * 32 * 32
-    };
-    let (one, batch, many) = (memory(1), memory(8), memory(64));
-    assert!(batch <= 8 * one, "{one} bytes beside the map of one light, {batch} beside those of 8");
-    assert!(many <= batch + 56 * 2048, "{batch} bytes beside the maps of 8 lights, {many} beside those of 64");
+    // Of a light: 2 x 2 tiles of two hemispheres, each with 256 depths and numbers, two counters and a list of 512; 64
+    // records of 64 bytes; 64 jobs; 64 winners.
+    let share = 8 * (256 * 8 + 8 + 512 * 4) + 64 * 64 + 64 * 4 + 64 * 4;
+    // 32 bytes of counters of a light, eight lights at least, and 36 words for the chunk.
+    let state = 8 * 32 + 36 * 4;
+    // Of each light 96 bytes of its own and two hemispheres' views for the caller's casters, and as many as a batch more.
+    let others = |lights: u64| lights * (96 + 2 * 256) + (lights + 8) * 256;
+    assert_eq!(beside_maps(1), share + state + others(1));
+    // A quarter more counters and words than are needed.
+    let state = |lights: u64| (lights + lights / 4) * 32 + 8 * (36 + 9) * 4;
+    assert_eq!(beside_maps(8), 8 * share + state(8) + others(8));
+    assert_eq!(beside_maps(64), 8 * share + state(64) + others(64));
 }
 
 #[test]

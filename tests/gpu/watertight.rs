@@ -1,14 +1,13 @@
 //! Closed shells leave no texel empty.
 
-use crate::common::{map, soup};
+use crate::common::{Rasteriser, soup, tunings};
+use crate::hard_cases::orientation;
 use dual_paraboloid::{PointLight, Sides};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Edges shorter than this aren't cut: the triangles still go from a millionth of a map to half of it. With shorter
-/// ones, or many more cuts, llvmpipe 22.3 leaves about one texel in ten million empty, where a sliver thinner than its
-/// grid of 1/256 texel passes a texel's centre.
+/// Edges shorter than this aren't cut.
 const SHORTEST: f32 = 1e-3;
 
 /// A closed surface around the origin, star-shaped, of triangles of wildly mixed sizes: an octahedron whose edges
@@ -47,24 +46,30 @@ pub fn shell(cuts: usize, rng: &mut Pcg64) -> Vec<[Vec3; 3]> {
     triangles.into_iter().map(|t| t.map(|v| vertices[v])).collect()
 }
 
+/// Tunings by which an invocation of a software device may have more to do than llvmpipe lets it: that ends loops after
+/// 65,535 rounds in all.
+fn is_too_much(tuning: &str, resolution: u32) -> bool {
+    resolution > 200
+        && tuning.starts_with("software's")
+        && (tuning.ends_with("all small") || tuning.ends_with("one record"))
+}
+
 #[test]
 fn shells_have_no_holes_in_any_orientation() {
     let mut rng = Pcg64::seed_from_u64(5);
-    for turn in 0..50 {
-        let triangles = shell([0, 20, 300, 1500][turn % 4], &mut rng);
-        let mut casters = soup(&triangles, Sides::Auto);
-        let orientation = Quat::from_xyzw(
-            rng.random_range(-1.0..1.0f32),
-            rng.random_range(-1.0..1.0),
-            rng.random_range(-1.0..1.0),
-            rng.random_range(-1.0..1.0),
-        )
-        .normalize();
-        let light = PointLight { orientation, ..Default::default() };
-        for resolution in [64, 200, 512] {
-            let map = map(&mut casters, light, resolution);
+    for (resolution, rounds) in [(64, 12), (200, 4), (512, 1)] {
+        let mut rasterisers = Rasteriser::all(tunings(), resolution);
+        rasterisers.retain(|rasteriser| !is_too_much(rasteriser.name, resolution));
+        let count = rasterisers.len();
+        for number in 0..rounds * count {
+            let mut casters = soup(&shell([0, 20, 300, 1500][number % 4], &mut rng), Sides::Auto);
+            let light = PointLight { orientation: orientation(&mut rng), ..Default::default() };
+            // In the end each tuning has drawn shells of all sizes.
+            let rasteriser = &mut rasterisers[(number + number / count) % count];
+            let map = rasteriser.map(&mut casters, light);
             let holes: Vec<_> = map.discs().filter(|texel| texel.depth == 0.0).collect();
-            assert!(holes.is_empty(), "shell {turn} at {resolution}: {} holes, as at {:?}", holes.len(), holes[0]);
+            let name = format!("shell {number} at {resolution}, {}", rasteriser.name);
+            assert!(holes.is_empty(), "{name}: {} holes, as at {:?}", holes.len(), holes[0]);
         }
     }
 }

@@ -1,11 +1,11 @@
 //! What the library makes of the test scenes.
 
-use crate::claims::{assert_even_where_it_should_be, assert_holes_are_true, assert_routed_is_unrouted};
-use crate::common::gpu;
+use crate::claims::{MARGIN, assert_culling_changes_nothing, assert_even_where_it_should_be, assert_holes_are_true};
+use crate::common::{descriptor, gpu};
 use crate::stated::Stated;
 use crate::trial_of;
 use dual_paraboloid::compare::fill;
-use dual_paraboloid::compare::measure::choose_light;
+use dual_paraboloid::compare::measure::{Made, Truth, choose_light, light_for};
 use dual_paraboloid::compare::scene::{Scene, known_lights};
 use dual_paraboloid::{Casters, PointLight, Sides};
 use glam::Vec3;
@@ -18,7 +18,10 @@ const HOLES: [&str; 2] = ["house_masked", "alpha_modes"];
 const FILTERS: [&str; 3] = ["barn_lamp", "gallery_vr", "lights_level_blenvy"];
 
 pub fn trials_of(scene: &'static Stated) -> Vec<Trial> {
-    let mut trials = vec![trial_of(scene, "routing", leaving_triangles_out_changes_nothing)];
+    let mut trials = vec![
+        trial_of(scene, "culling", leaving_triangles_out_changes_nothing),
+        trial_of(scene, "map", the_map_is_the_ray_cast_one),
+    ];
     if HOLES.contains(&scene.name()) {
         trials.push(trial_of(scene, "holes", holes_are_as_true_as_resolution_allows));
     }
@@ -44,7 +47,22 @@ fn leaving_triangles_out_changes_nothing(stated: &Stated, scene: &Scene) {
     for position in lights.into_iter().take(2) {
         let range = low.distance(high) * 2.0;
         let light = PointLight { position, range, near: range * 1e-5, ..Default::default() };
-        assert_routed_is_unrouted(&mut casters, light, 512, stated.name());
+        assert_culling_changes_nothing(&mut casters, light, 512, stated.name());
+    }
+}
+
+fn the_map_is_the_ray_cast_one(stated: &Stated, scene: &Scene) {
+    for position in lights(stated, scene).into_iter().take(2) {
+        let light = light_for(scene, position);
+        let truth = Truth::new(scene, &light, 20_000, 1);
+        let figures = Made::new(gpu(), scene, light, &descriptor(256)).unwrap().figures(gpu(), &truth);
+        let (map, wrong) = (figures.map, figures.shadow.error.wrong_ppm - figures.ideal.wrong_ppm);
+        let off = map.holes + map.phantoms + (map.wrong_surface_ppm * 1e-6 * map.texels as f64).round() as usize;
+        assert!(off <= 2 && map.silhouette_distance_max <= MARGIN, "{map:?}");
+        // A helmet that folds over itself shows its backs to rays and not to the map.
+        let depth_error = if stated.name() == "flight_helmet" { 5e-3 } else { 3e-5 };
+        assert!(map.depth_error_p99 <= 5e-7 && map.depth_error_max <= depth_error, "{map:?}");
+        assert!(wrong.abs() <= 100.0, "of a million {wrong} more are wrong than with the ray-cast map");
     }
 }
 

@@ -5,10 +5,9 @@
 //! there are ignored, and say so.
 
 #[path = "../gpu/claims.rs"]
-#[expect(dead_code, reason = "shared with the tests of scenes made in code")]
 mod claims;
 #[path = "../gpu/common.rs"]
-#[expect(dead_code, reason = "shared with the tests of scenes made in code")]
+#[allow(dead_code, reason = "shared with the tests of scenes made in code")]
 mod common;
 mod library;
 mod loading;

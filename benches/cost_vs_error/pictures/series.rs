@@ -47,7 +47,7 @@ const PALETTE: [RGBColor; 10] = [
     RGBColor(170, 170, 0),
 ];
 
-/// Route, split and depth.
+/// The stages that are timed, and their colours.
 pub const STAGES: [(&str, RGBColor); 4] =
     [("cull", SKY_BLUE), ("number", PALETTE[0]), ("bin", ORANGE), ("rasterise", BLUE)];
 

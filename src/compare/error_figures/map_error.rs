@@ -12,22 +12,17 @@ use crate::compare::reference::{Hit, Reference, View};
 use crate::paraboloid::double as paraboloid;
 
 /// How far off the true surface's plane, measured along its normal and in texel footprints, a stored depth may be
-/// and still be that surface's.
-///
-/// The library interpolates depth with an error of at most half a footprint along edges, which is two thirds inside a
-/// triangle (its form is that of a circumcircle); chords in place of arcs and the rasteriser's snapping shift a surface
-/// by a quarter of a texel more.
-pub const SURFACE_TOLERANCE: f64 = 1.0;
+/// and still be that surface's. More than rounding, and far less than what a shadow shows.
+pub const SURFACE_TOLERANCE: f64 = 0.05;
 
 /// How far the true surface has to step to make a silhouette, in texel footprints along the normal. Less than
-/// [`SURFACE_TOLERANCE`], since what a wrong texel holds is the other surface with a depth error of its own, and that is
-/// along the other's normal: across an edge-on fold a step of 0.8 may be stored as one of 1.04.
-const SILHOUETTE_DEPTH: f64 = 0.5;
+/// [`SURFACE_TOLERANCE`], since across an edge-on fold the step is measured along the other surface's normal.
+const SILHOUETTE_DEPTH: f64 = 0.025;
 /// Distance between the rings of rays that look for a silhouette, in texels, and how many of them there are.
 const SILHOUETTE_RINGS: (f64, usize) = (0.125, 16);
-/// The same close to the texel's centre, where it takes no more than a hairline crack between triangles for the ray and
-/// the rasteriser, with its grid of 1/256 texel, to meet different surfaces.
-const SILHOUETTE_INNER_RINGS: (f64, usize) = (1.0 / 256.0, 16);
+/// The same close to the texel's centre, where it takes no more than rounding for the ray and the rasteriser to meet
+/// different surfaces.
+const SILHOUETTE_INNER_RINGS: (f64, usize) = (1.0 / 1024.0, 16);
 /// Rays of each ring.
 const SILHOUETTE_SPOKES: usize = 48;
 
@@ -54,8 +49,8 @@ pub struct MapError {
     /// Largest of the same.
     pub depth_error_max: f64,
     /// Wrong surfaces, holes and phantoms farther than one texel from every silhouette: from every place where the
-    /// true surface steps by more than half a texel footprint between rays an eighth of a texel apart, or a 256th of a
-    /// texel close by. Silhouettes are looked for by rays, which can miss a thin one, so this is never too low.
+    /// true surface steps by more than a fortieth of a texel footprint between rays an eighth of a texel apart, or a 1024th
+    /// of a texel close by. Silhouettes are looked for by rays, which can miss a thin one, so this is never too low.
     #[serde(skip)]
     pub strays: usize,
     /// Largest distance from a wrong surface, hole or phantom to a silhouette, in texels; infinite when one is 2
@@ -317,7 +312,9 @@ mod tests {
         let (_, i, j) = GEOMETRY.texel_at(floor);
         let footprint = paraboloid::texel_angle(GEOMETRY.centre(i, j), GEOMETRY.texel());
         let exact = scene.stored[floor];
-        for (footprints, right) in [(0.9, true), (-0.9, true), (1.1, false), (-1.1, false)] {
+        let cases = [(0.9, true), (-0.9, true), (1.1, false), (-1.1, false)]
+            .map(|(share, right)| (share * SURFACE_TOLERANCE, right));
+        for (footprints, right) in cases {
             // The floor is met at right angles, so its distance is the one along its normal.
             scene.stored[floor] = (f64::from(exact) / (1.0 - footprints * footprint)) as f32;
             let error = scene.error();
@@ -336,10 +333,14 @@ mod tests {
         let mut scene = scene(f64::INFINITY);
         let turn = DQuat::from_rotation_y(0.8 * paraboloid::texel_angle(DVec2::ZERO, GEOMETRY.texel()));
         let moved = View { orientation: turn * scene.view.orientation, ..scene.view };
-        for (stored, depth) in scene.stored.iter_mut().zip(ideal_map(&scene.reference, &moved, GEOMETRY).depths) {
-            *stored = depth as f32;
+        let is_plate = |triangle: u32| triangle >= 10 && triangle != NO_TRIANGLE;
+        let plate = |index: usize| is_plate(scene.ideal.triangles[index]);
+        let moved = ideal_map(&scene.reference, &moved, GEOMETRY);
+        for (index, stored) in scene.stored.iter_mut().enumerate() {
+            if is_plate(moved.triangles[index]) != plate(index) {
+                *stored = moved.depths[index] as f32;
+            }
         }
-        let plate = |index: usize| scene.ideal.triangles[index] >= 10 && scene.ideal.triangles[index] != NO_TRIANGLE;
         let verdicts = judge_texels(&scene.stored, &scene.ideal, &scene.reference, &scene.view);
         let wrong = (0..verdicts.len()).filter(|&i| verdicts[i] == TexelVerdict::WrongSurface).count();
         let outline = (0..verdicts.len()).filter(|&i| plate(i)).count() as f64;
