@@ -171,7 +171,7 @@ fn the_same_on_every_run() {
         for workgroups in [Workgroups::Gpu, Workgroups::Software] {
             let mut rasteriser = Rasteriser::new((name, Tuning { workgroups, ..plain }), 64);
             let first = rasteriser.map(&mut casters, light);
-            assert!(first.discs().filter(|texel| texel.depth > 0.0).count() > 1000);
+            assert!(first.discs().filter(|texel| texel.depth > 0.0).count() > 300);
             for run in 1..20 {
                 let again = rasteriser.map(&mut casters, light);
                 assert!(again.depth == first.depth && again.numbers == first.numbers, "{name}, run {run}");
