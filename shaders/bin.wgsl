@@ -2,7 +2,7 @@
 
 @group(0) @binding(0) var<uniform> views: array<View, MOST_ITEMS>;
 @group(0) @binding(1) var<storage, read> records: array<vec4<u32>>;
-@group(0) @binding(2) var<storage, read> jobs: array<u32>;
+@group(0) @binding(2) var<storage, read> lists: array<u32>;
 @group(0) @binding(3) var<storage, read> state: array<u32>;
 @group(0) @binding(4) var<storage, read_write> tiles: array<TileCounters>;
 @group(0) @binding(5) var<storage, read_write> tile_lists: array<u32>;
@@ -26,7 +26,7 @@ fn bin(
         return;
     }
     for (var number = group.x; number < count; number += groups.x) {
-        let job = jobs[view.first_job + number];
+        let job = lists[view.first_job + number];
         let record = job >> 5u;
         let at = (view.first_record + record) * RECORD;
         let bounds = tile_bounds(records[at + 1u].w);

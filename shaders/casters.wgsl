@@ -41,17 +41,10 @@ struct ChunkBounds {
     normals_sine: f32,
 }
 
-// An entry of the lists that the stages hand on is three vertices. The upper bits of those that have to be split say:
-const VERTEX_MASK: u32 = 0x7fffffffu;
-// on the first vertex: some of the pieces found no room,
-const OVERFLOW_FLAG: u32 = 0x80000000u;
-// on the second and the third: pieces of positive or of negative area in the map face away and don't cast.
-const CULL_FLAG: u32 = 0x80000000u;
-
 const CULL_CLOSED: u32 = 1u;
 const CULL_ALWAYS: u32 = 2u;
 
-// Bits of a chunk's kind, by which jobs leave chunks out.
+// Bits of a chunk's kind, by which work items leave chunks out.
 const KIND_MASKED: u32 = 2u;
 
 // Whether all triangles around a vertex with a cone surely face away from a point.

@@ -4,17 +4,36 @@
 
 // Maps of a light.
 const SQUARES: u32 = 2u;
+// Length of the longest q.
+const LONGEST_DIRECTION: f32 = 1.0;
+
+// A map's upper left texel, and its layer.
+fn square_origin(view: View, square: u32) -> vec3<u32> {
+    return vec3<u32>(view.left + square * u32(view.resolution), view.top, view.layer);
+}
 
 fn square_space(view: View, relative: vec3<f32>, square: u32) -> vec3<f32> {
     let x = vec3<f32>(dot(view.right, relative), dot(view.up, relative), dot(view.forward, relative));
     return dp_to_hemisphere(x, square == 1u);
 }
 
-// Map coordinates of a point, then the w by which its depth is `near / w`; negative where the point is behind the map.
-fn projected(view: View, x: vec3<f32>) -> vec3<f32> {
-    let w = dp_homogeneous_w(x);
-    let behind = x.z < view.behind * length(x);
-    return vec3<f32>(dp_project(x), select(w, -max(w, 1e-30), behind));
+// A vertex as a map sees it: in the map's space, its w, negative where it is behind the map, and its map coordinates.
+struct Corner {
+    place: vec3<f32>,
+    w: f32,
+    map: vec2<f32>,
+}
+
+fn corner_of(view: View, relative: vec3<f32>, square: u32) -> Corner {
+    let place = square_space(view, relative, square);
+    let w = dp_homogeneous_w(place);
+    let is_behind = place.z < view.behind * length(place);
+    return Corner(place, select(w, -max(w, 1e-30), is_behind), dp_project(place));
+}
+
+// Whether all corners are behind the map. Then so is all between them, since what is behind is a convex cone.
+fn is_outside(view: View, a: Corner, b: Corner, c: Corner) -> bool {
+    return max(a.w, max(b.w, c.w)) < 0.0;
 }
 
 fn scaled_direction(p: vec2<f32>) -> vec3<f32> {
@@ -27,8 +46,8 @@ fn scaled_directions_z(u: f32, v: vec4<f32>) -> vec4<f32> {
 }
 
 // Whether edges between these corners are arcs no longer than `arc_bow` allows for.
-fn is_near(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> bool {
-    return max(dot(a.xy, a.xy), max(dot(b.xy, b.xy), dot(c.xy, c.xy))) < 2.0;
+fn is_near(a: Corner, b: Corner, c: Corner) -> bool {
+    return max(dot(a.map, a.map), max(dot(b.map, b.map), dot(c.map, c.map))) < 2.0;
 }
 
 // How far the arc of an edge leaves its chord at most, in map coordinates, if `is_near`: edges curve by 1 at most.
@@ -47,10 +66,9 @@ fn slope_along_row(e: vec3<f32>, u: f32) -> f32 {
     return e.x - e.z * u;
 }
 
-// How much a plane's product with q may differ, within h of c along each axis, from that at c.
-fn spread(e: vec3<f32>, c: vec2<f32>, h: f32) -> f32 {
-    let slope = abs(e.xy - e.z * c);
-    return (slope.x + slope.y) * h + abs(e.z) * h * h;
+// How much a plane's product with q may differ, within h of c along the axes, from that at c.
+fn spread(e: vec3<f32>, c: vec2<f32>, h: vec2<f32>) -> f32 {
+    return dot(abs(e.xy - e.z * c), h) + 0.5 * abs(e.z) * dot(h, h);
 }
 
 // Whether anything is looked up as near to the axis as p: within the guard band's disc.

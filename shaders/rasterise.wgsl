@@ -1,6 +1,5 @@
 // Rasterise: each texel's greatest depth and the triangle that has it, of what was drawn small and of its tile's large
-// triangles. A workgroup takes a tile, a thread QUADS quads of it: four texels of a column, four rows apart, so that threads
-// side by side read and write texels side by side.
+// triangles. A workgroup takes a tile, a thread QUADS quads of it: four texels of a column.
 
 @group(0) @binding(0) var<uniform> views: array<View, MOST_ITEMS>;
 @group(0) @binding(1) var<storage, read> records: array<vec4<u32>>;
@@ -25,43 +24,51 @@ struct TileCounters {
 // Whether records go through the workgroup's memory. In software a barrier costs more than it saves.
 override BATCHED: bool = true;
 
-const QUADS_OF_TILE: u32 = TILE_TEXELS / 4u;
 // QUADS is put before this text.
-const THREADS: u32 = QUADS_OF_TILE / QUADS;
+const THREADS: u32 = TILE_TEXELS / 4u / QUADS;
+// Records that go through the workgroup's memory at a time.
+const BATCH: u32 = 128u;
+
+// Upper and lower half of a tile: what touches one alone is passed over in the other.
+const HALVES: u32 = 2u;
+const QUADS_OF_HALF: u32 = TILE_TEXELS / 4u / HALVES;
 
 // By how much edges of large triangles reach outward, as the sine of an angle at most: small ones are decided in another
 // shader, which may round otherwise, and between them there must be no gap. Either product of three terms is off by at most
-// 2^-22 of the lengths, which are at most one.
-const EDGE_SLACK: f32 = 2.4e-7;
+// 2^-22 of the lengths, of which that of the plane's normal is one.
+const EDGE_SLACK: f32 = 2.4e-7 * LONGEST_DIRECTION;
 
-var<workgroup> batch: array<vec4<u32>, 4u * THREADS>;
+var<workgroup> batch: array<vec4<u32>, 512>;
 var<workgroup> kept: atomic<u32>;
 // Least depth that any texel of the tile has so far.
 var<workgroup> lowest: atomic<u32>;
 
-struct Texels {
+// Four texels.
+struct Quad {
     depth: vec4<f32>,
     number: vec4<u32>,
 }
 
 // What is known of a tile.
 struct Tile {
-    // Direction of its middle, and how far its texels' centres are from that in the map.
-    direction: vec3<f32>,
+    // Map coordinates of its middle, and how far its texels' centres are from it.
     centre: vec2<f32>,
-    reach: f32,
+    reach: vec2<f32>,
+    // Its upper left texel.
+    corner: vec2<i32>,
     x: u32,
     y: u32,
-    hemisphere: u32,
+    square: u32,
     // A depth that all its texels have at least.
     least: f32,
 }
 
 @compute @workgroup_size(THREADS)
 fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let view = views[group.z / SQUARES];
-    let hemisphere = group.z % SQUARES;
-    if max(group.x, group.y) >= view.across || (view.hemispheres & (1u << hemisphere)) == 0u {
+    let item = group.z / SQUARES;
+    let square = group.z % SQUARES;
+    let view = views[item];
+    if max(group.x, group.y) >= view.across || (view.hemispheres & (1u << square)) == 0u {
         return;
     }
     let centre = tile_centre(view, group.x, group.y);
@@ -69,45 +76,40 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     if !is_looked_up(view, max(abs(centre) - reach, vec2<f32>(0.0))) {
         return;
     }
-    let place = tile_of(view, hemisphere, group.x, group.y);
+    let place = tile_of(view, square, group.x, group.y);
     let counters = tiles[place];
-    let tile = Tile(
-        scaled_direction(centre),
-        centre,
-        reach,
-        group.x,
-        group.y,
-        hemisphere,
-        bitcast<f32>(counters.least),
-    );
-    var texels: array<Texels, QUADS>;
+    let corner = vec2<i32>(group.xy) * TILE;
+    let tile = Tile(centre, reach, corner, group.x, group.y, square, bitcast<f32>(counters.least));
+    var quads: array<Quad, QUADS>;
     for (var i = 0u; i < QUADS; i += 1u) {
-        texels[i] = start_texels(view, group.z / SQUARES, tile, place, thread * QUADS + i);
+        quads[i] = start_quad(view, item, tile, place, i * THREADS + thread);
     }
     let lists_all = counters.count <= ROOM;
     let count = select(min(state[view.counters + COUNTER_RECORDS], view.record_capacity), counters.count, lists_all);
     if BATCHED {
-        // Of the entries that a batch of threads reads, those that may show go to the workgroup's memory.
         if thread == 0u {
             atomicStore(&lowest, 0u);
         }
-        for (var start = 0u; start < count; start += THREADS) {
+        for (var start = 0u; start < count; start += BATCH) {
             if thread == 0u {
                 atomicStore(&kept, 0u);
             }
             workgroupBarrier();
-            if start + thread < count {
-                keep_entry(view, tile, entry_of(place, start + thread, lists_all), bitcast<f32>(atomicLoad(&lowest)));
+            let least = max(tile.least, bitcast<f32>(atomicLoad(&lowest)));
+            for (var i = start + thread; i < min(start + BATCH, count); i += THREADS) {
+                keep_entry(view, tile, entry_of(place, i, lists_all), least);
             }
             workgroupBarrier();
             let end = atomicLoad(&kept);
             for (var i = 0u; i < end; i += 1u) {
-                let record = kept_record(i);
                 for (var j = 0u; j < QUADS; j += 1u) {
-                    texels[j] = with_triangle(view, texels[j], record, tile, thread * QUADS + j);
+                    let quad = j * THREADS + thread;
+                    if (batch[RECORD * i + 1u].w & half_bit(quad)) != 0u {
+                        quads[j] = with_triangle(view, quads[j], kept_record(i), tile, quad);
+                    }
                 }
             }
-            if start + THREADS < count {
+            if start + BATCH < count {
                 // It only ever grows, so the last batch's is forgotten first.
                 workgroupBarrier();
                 if thread == 0u {
@@ -115,7 +117,7 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
                 }
                 workgroupBarrier();
                 for (var j = 0u; j < QUADS; j += 1u) {
-                    let d = texels[j].depth;
+                    let d = quads[j].depth;
                     atomicMin(&lowest, bitcast<u32>(min(min(d.x, d.y), min(d.z, d.w))));
                 }
             }
@@ -126,14 +128,18 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
             let words = words_of(view, entry);
             if may_show(words, tile, tile.least) {
                 let record = record_of(words, entry);
+                let halves = halves_touched(view, record, tile);
                 for (var j = 0u; j < QUADS; j += 1u) {
-                    texels[j] = with_triangle(view, texels[j], record, tile, thread * QUADS + j);
+                    let quad = j * THREADS + thread;
+                    if (halves & half_bit(quad)) != 0u {
+                        quads[j] = with_triangle(view, quads[j], record, tile, quad);
+                    }
                 }
             }
         }
     }
     for (var i = 0u; i < QUADS; i += 1u) {
-        store_texels(view, texels[i], tile, thread * QUADS + i);
+        store_quad(view, quads[i], tile, i * THREADS + thread);
     }
     if thread == 0u && counters.count + counters.least > 0u {
         tiles[place] = TileCounters(0u, 0u);
@@ -182,22 +188,28 @@ fn words_of(view: View, entry: u32) -> array<vec4<u32>, 4> {
 // Whether a record is of this tile, and not hidden in all of it.
 fn may_show(words: array<vec4<u32>, 4>, tile: Tile, least: f32) -> bool {
     let bounds = tile_bounds(words[1].w);
-    let is_here = (words[0].w >> SQUARE_SHIFT) == tile.hemisphere
+    let is_here = (words[0].w >> SQUARE_SHIFT) == tile.square
         && tile.x >= bounds.x && tile.y >= bounds.y && tile.x <= bounds.z && tile.y <= bounds.w;
     let plane = bitcast<vec3<f32>>(words[3].xyz);
-    let nearest = dot(plane, tile.direction) + spread(plane, tile.centre, tile.reach);
+    let nearest = dot(plane, scaled_direction(tile.centre)) + spread(plane, tile.centre, tile.reach);
     return is_here && clamp(nearest, bitcast<f32>(words[2].w), bitcast<f32>(words[3].w)) * NEARER >= least;
 }
 
-fn keep_entry(view: View, tile: Tile, entry: u32, lowest: f32) {
+// Puts a record in the workgroup's memory, if it may show.
+fn keep_entry(view: View, tile: Tile, entry: u32, least: f32) {
     let words = words_of(view, entry);
-    if may_show(words, tile, max(tile.least, lowest)) {
-        let at = RECORD * atomicAdd(&kept, 1u);
-        batch[at] = words[0];
-        batch[at + 1u] = vec4<u32>(words[1].xyz, entry);
-        batch[at + 2u] = words[2];
-        batch[at + 3u] = words[3];
+    if !may_show(words, tile, least) {
+        return;
     }
+    let halves = halves_touched(view, record_of(words, entry), tile);
+    if halves == 0u {
+        return;
+    }
+    let at = RECORD * atomicAdd(&kept, 1u);
+    batch[at] = words[0];
+    batch[at + 1u] = vec4<u32>(words[1].xyz, (entry & FULL) | halves);
+    batch[at + 2u] = words[2];
+    batch[at + 3u] = words[3];
 }
 
 fn kept_record(i: u32) -> Record {
@@ -206,65 +218,82 @@ fn kept_record(i: u32) -> Record {
     return record_of(words, words[1].w);
 }
 
-// First texel of a tile's quad, in its map.
-fn quad_corner(tile: Tile, quad: u32) -> vec2<i32> {
-    return vec2<i32>(vec2<u32>(tile.x, tile.y)) * TILE + vec2<i32>(vec2<u32>(quad % 16u, quad / 16u));
+// Bits of the halves of a tile that a triangle may touch.
+fn halves_touched(view: View, record: Record, tile: Tile) -> u32 {
+    if record.is_full {
+        return (1u << HALVES) - 1u;
+    }
+    let reach = vec2<f32>(7.5, 3.5) * view.texel;
+    var result = 0u;
+    for (var half = 0u; half < HALVES; half += 1u) {
+        let c = tile.centre + vec2<f32>(0.0, select(-4.0, 4.0, half == 0u) * view.texel);
+        let q = scaled_direction(c);
+        let inside = vec3<f32>(dot(record.e0, q), dot(record.e1, q), dot(record.e2, q));
+        let around = vec3<f32>(spread(record.e0, c, reach), spread(record.e1, c, reach), spread(record.e2, c, reach));
+        result |= select(0u, 1u << half, all(inside + around >= vec3<f32>(-BIN_SLACK)));
+    }
+    return result;
 }
 
-// From one texel of a quad to the next: in rows, and in the workspace.
-const QUAD_STEP: i32 = 4;
-const QUAD_STRIDE: u32 = 64u;
+fn half_bit(quad: u32) -> u32 {
+    return 1u << (quad / QUADS_OF_HALF);
+}
 
-// What a quad's texels have before any large triangle, and clears it.
-fn start_texels(view: View, item: u32, tile: Tile, place: u32, quad: u32) -> Texels {
-    let at = place * TILE_TEXELS + quad + vec4<u32>(0u, QUAD_STRIDE, 2u * QUAD_STRIDE, 3u * QUAD_STRIDE);
+// First texel of a tile's quad, in the tile; the others are two rows apart. Quads side by side are texels side by side.
+fn quad_place(quad: u32) -> vec2<u32> {
+    let own = quad % QUADS_OF_HALF;
+    return vec2<u32>(own % u32(TILE), quad / QUADS_OF_HALF * 8u + own / u32(TILE));
+}
+
+const QUAD_ROWS: u32 = 2u;
+
+// What a quad has before any large triangle; clears it.
+fn start_quad(view: View, item: u32, tile: Tile, place: u32, quad: u32) -> Quad {
+    let own = quad_place(quad);
+    let stride = QUAD_ROWS * u32(TILE);
+    let at = place * TILE_TEXELS + own.y * u32(TILE) + own.x + vec4<u32>(0u, stride, 2u * stride, 3u * stride);
     let stored = vec4<u32>(depths[at.x], depths[at.y], depths[at.z], depths[at.w]);
-    var texels = Texels(bitcast<vec4<f32>>(stored), vec4<u32>(0u));
+    var result = Quad(bitcast<vec4<f32>>(stored), vec4<u32>(0u));
     for (var i = 0; i < 4; i += 1) {
         if stored[i] != 0u {
-            texels.number[i] = numbers[at[i]];
+            result.number[i] = numbers[at[i]];
             depths[at[i]] = 0u;
             numbers[at[i]] = 0u;
         }
     }
-    if view.start != 0u {
-        let corner = quad_corner(tile, quad) + vec2<i32>(i32(tile.hemisphere) * i32(view.resolution), 0);
+    if (view.flags & (FLAG_STATIC | FLAG_CUSTOM)) != 0u {
+        let beside = tile.corner + vec2<i32>(own) + vec2<i32>(i32(tile.square) * i32(view.resolution), 0);
         for (var i = 0; i < 4; i += 1) {
-            let texel = corner + vec2<i32>(0, i * QUAD_STEP);
-            if (view.start & START_STATIC) != 0u {
+            let texel = beside + vec2<i32>(0, i * i32(QUAD_ROWS));
+            if (view.flags & FLAG_STATIC) != 0u {
                 let source = texel + vec2<i32>(vec2<u32>(view.left, view.top));
                 let depth = textureLoad(static_depths, source, view.layer, 0).x;
-                let number = textureLoad(static_numbers, source, view.layer, 0).x + 1u;
-                texels = nearer(texels, i, depth, number);
+                result = nearer(result, i, depth, textureLoad(static_numbers, source, view.layer, 0).x + 1u);
             }
-            if (view.start & START_CUSTOM) != 0u {
-                texels = nearer(texels, i, textureLoad(custom_depths, texel, item, 0), 0u);
+            if (view.flags & FLAG_CUSTOM) != 0u {
+                result = nearer(result, i, textureLoad(custom_depths, texel, item, 0), 0u);
             }
         }
     }
-    return texels;
+    return result;
 }
 
-// Quads with something in one texel, if it is nearer.
-fn nearer(texels: Texels, i: i32, depth: f32, number: u32) -> Texels {
-    var result = texels;
-    if depth > texels.depth[i] || (depth == texels.depth[i] && number > texels.number[i]) {
+// A quad with something in its `i`th texel. Of equal depths the greatest number shows.
+fn nearer(quad: Quad, i: i32, depth: f32, number: u32) -> Quad {
+    var result = quad;
+    if depth > quad.depth[i] || (depth == quad.depth[i] && number > quad.number[i]) {
         result.depth[i] = depth;
         result.number[i] = number;
     }
     return result;
 }
 
-// A quad with a large triangle. Of those of equal depth the greatest number shows.
-fn with_triangle(view: View, texels: Texels, record: Record, tile: Tile, quad: u32) -> Texels {
-    let corner = vec2<f32>(quad_corner(tile, quad));
-    let u = texel_u(view, corner.x);
-    let v = vec4<f32>(
-        texel_v(view, corner.y),
-        texel_v(view, corner.y + 4.0),
-        texel_v(view, corner.y + 8.0),
-        texel_v(view, corner.y + 12.0),
-    );
+// A quad with a large triangle.
+fn with_triangle(view: View, before: Quad, record: Record, tile: Tile, quad: u32) -> Quad {
+    let at = vec2<f32>(tile.corner + vec2<i32>(quad_place(quad)));
+    let rows = vec4<f32>(0.0, 1.0, 2.0, 3.0) * f32(QUAD_ROWS);
+    let u = texel_u(view, at.x);
+    let v = (0.5 * view.resolution - 0.5 - (at.y + rows)) * view.texel;
     let h = scaled_directions_z(u, v);
     let z = clamp(products(record.plane, u, v, h), vec4<f32>(record.limits.x), vec4<f32>(record.limits.y));
     var shows = (z <= vec4<f32>(1.0)) & (z > vec4<f32>(0.0));
@@ -273,25 +302,25 @@ fn with_triangle(view: View, texels: Texels, record: Record, tile: Tile, quad: u
         shows = shows & (inside >= vec4<f32>(-EDGE_SLACK));
     }
     let number = vec4<u32>(record.number);
-    shows = shows & ((z > texels.depth) | ((z == texels.depth) & (number > texels.number)));
-    return Texels(select(texels.depth, z, shows), select(texels.number, number, shows));
+    shows = shows & ((z > before.depth) | ((z == before.depth) & (number > before.number)));
+    return Quad(select(before.depth, z, shows), select(before.number, number, shows));
 }
 
-// Products of a plane with the directions of four texels.
+// Products of a plane with the directions of four texels of a column.
 fn products(e: vec3<f32>, u: f32, v: vec4<f32>, h: vec4<f32>) -> vec4<f32> {
     return e.x * u + e.y * v + e.z * h;
 }
 
-fn store_texels(view: View, texels: Texels, tile: Tile, quad: u32) {
-    let corner = quad_corner(tile, quad);
+fn store_quad(view: View, quad: Quad, tile: Tile, number: u32) {
+    let own = tile.corner + vec2<i32>(quad_place(number));
     let size = i32(view.resolution);
-    let target_corner = corner + vec2<i32>(i32(view.left + tile.hemisphere * u32(size)), i32(view.top));
+    let origin = square_origin(view, tile.square);
+    let corner = vec2<i32>(origin.xy);
     for (var i = 0; i < 4; i += 1) {
-        let row = i * QUAD_STEP;
-        if corner.x < size && corner.y + row < size {
-            let at = target_corner + vec2<i32>(0, row);
-            textureStore(map_depths, at, view.layer, vec4<f32>(texels.depth[i], 0.0, 0.0, 0.0));
-            textureStore(map_numbers, at, view.layer, vec4<u32>(texels.number[i] - 1u, 0u, 0u, 0u));
+        let texel = own + vec2<i32>(0, i * i32(QUAD_ROWS));
+        if max(texel.x, texel.y) < size {
+            textureStore(map_depths, corner + texel, origin.z, vec4<f32>(quad.depth[i], 0.0, 0.0, 0.0));
+            textureStore(map_numbers, corner + texel, origin.z, vec4<u32>(quad.number[i] - 1u, 0u, 0u, 0u));
         }
     }
 }

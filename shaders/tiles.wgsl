@@ -23,6 +23,6 @@ fn tile_centre(view: View, x: u32, y: u32) -> vec2<f32> {
 }
 
 // How far the centres of a tile's texels are from its middle, along each axis.
-fn tile_reach(view: View) -> f32 {
-    return (0.5 * f32(TILE) - 0.5) * view.texel;
+fn tile_reach(view: View) -> vec2<f32> {
+    return vec2<f32>((0.5 * f32(TILE) - 0.5) * view.texel);
 }

@@ -1,25 +1,13 @@
-// A triangle as the light sees it: a cone of three planes, drawn row by row.
-
-// Threads of a workgroup.
-override THREADS: u32 = 256u;
-
-// Corners of the chunk's triangles: relative to the light along the world's axes, in the map's space, and map coordinates
-// with w (`projected`).
-var<workgroup> relatives: array<vec3<f32>, 256>;
-var<workgroup> places: array<vec3<f32>, 256>;
-var<workgroup> corners: array<vec3<f32>, 256>;
-// Triangles whose rows are drawn: the number of the first row in bits 8-31, the place in the chunk in bits 0-7.
-var<workgroup> queue: array<u32, 256>;
-// Rows in bits 9-31, triangles in bits 0-8.
-var<workgroup> queued: atomic<u32>;
+// A triangle as one of the light's maps sees it: a cone of three planes through the light, and a depth that is linear in q.
 
 struct Triangle {
     // Normals of the planes through the light and an edge, inward. Of neighbours the same bits but for the sign.
     e0: vec3<f32>,
     e1: vec3<f32>,
     e2: vec3<f32>,
-    // The depth at q is the product with this.
+    // The depth at q is the product with this, within the limits.
     plane: vec3<f32>,
+    limits: vec2<f32>,
     // The light lies in its plane: it covers nothing.
     is_edge_on: bool,
 }
@@ -69,27 +57,6 @@ fn without(n: vec3<f32>, along: vec3<f32>, square: f32) -> vec3<f32> {
     return n - along * (dot(n, along) / max(square, 1e-37));
 }
 
-// A triangle of the chunk. Its plane is found before anything is turned, since that rounds: a floor a millimetre under the
-// light may reach for kilometres.
-fn triangle_of(view: View, local: vec3<u32>, square: u32) -> Triangle {
-    let r = relatives[local.x];
-    let s = relatives[local.y];
-    let t = relatives[local.z];
-    let n = triangle_normal(r, s, t);
-    let d = dot(n, nearest_of(r, s, t));
-    let facing = sign(d);
-    let a = places[local.x];
-    let b = places[local.y];
-    let c = places[local.z];
-    return Triangle(
-        facing * edge_normal(a, b),
-        facing * edge_normal(b, c),
-        facing * edge_normal(c, a),
-        square_space(view, n, square) * (view.near / d),
-        d == 0.0,
-    );
-}
-
 // The one of three points that is nearest to the light.
 fn nearest_of(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     let squares = vec3<f32>(dot(a, a), dot(b, b), dot(c, c));
@@ -97,10 +64,31 @@ fn nearest_of(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     return select(c, nearer, min(squares.x, squares.y) <= squares.z);
 }
 
-// Texels whose centres a triangle may cover. `a`, `b` and `c` are `projected`.
-fn box_of(view: View, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Box {
-    let low = min(a.xy, min(b.xy, c.xy));
-    let high = max(a.xy, max(b.xy, c.xy));
+// A triangle by its corners and, along the world's axes, their positions relative to the light. Its plane is found before
+// anything is turned, since that rounds: a floor a millimetre under the light may reach for kilometres.
+fn triangle_of(view: View, square: u32, relative: array<vec3<f32>, 3>, a: Corner, b: Corner, c: Corner) -> Triangle {
+    let n = triangle_normal(relative[0], relative[1], relative[2]);
+    let d = dot(n, nearest_of(relative[0], relative[1], relative[2]));
+    let facing = sign(d);
+    return Triangle(
+        facing * edge_normal(a.place, b.place),
+        facing * edge_normal(b.place, c.place),
+        facing * edge_normal(c.place, a.place),
+        square_space(view, n, square) * (view.near / d),
+        depth_limits(view.near, a, b, c),
+        d == 0.0,
+    );
+}
+
+// Extent of a triangle's corners in the map.
+fn extent_of(a: Corner, b: Corner, c: Corner) -> vec2<f32> {
+    return max(a.map, max(b.map, c.map)) - min(a.map, min(b.map, c.map));
+}
+
+// Texels whose centres a triangle may cover, if its corners are `is_near` and it isn't `is_around_back`.
+fn box_of(view: View, a: Corner, b: Corner, c: Corner) -> Box {
+    let low = min(a.map, min(b.map, c.map));
+    let high = max(a.map, max(b.map, c.map));
     let extent = high - low;
     let pad = view.texels * arc_bow(dot(extent, extent)) + view.resolution * 1e-6;
     let half = 0.5 * view.resolution - 0.5;
@@ -114,71 +102,76 @@ fn box_of(view: View, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Box {
 }
 
 // The same for any triangle, however it lies.
-fn whole_box_of(view: View, local: vec3<u32>, square: u32) -> Box {
-    let a = corners[local.x];
-    let b = corners[local.y];
-    let c = corners[local.z];
-    let whole = Box(vec2<i32>(0), vec2<i32>(i32(view.resolution) - 1));
-    if !is_near(a, b, c) {
-        return whole;
-    }
-    let extent = max(a.xy, max(b.xy, c.xy)) - min(a.xy, min(b.xy, c.xy));
-    if dot(extent, extent) > 1.0 {
-        let triangle = triangle_of(view, local, square);
-        if is_around_back(triangle.e0, triangle.e1, triangle.e2) {
-            return whole;
-        }
+fn whole_box_of(view: View, a: Corner, b: Corner, c: Corner, triangle: Triangle) -> Box {
+    let extent = extent_of(a, b, c);
+    // Corners around the axis behind are farther apart.
+    let may_be_around = dot(extent, extent) > 1.0;
+    if !is_near(a, b, c) || (may_be_around && is_around_back(triangle.e0, triangle.e1, triangle.e2)) {
+        return Box(vec2<i32>(0), vec2<i32>(i32(view.resolution) - 1));
     }
     return box_of(view, a, b, c);
 }
 
-// Puts the corners of a chunk where its triangles find them. `vertex` is that of the thread.
-fn place_corners(view: View, source: ChunkSource, vertex: vec3<f32>, square: u32, thread: u32) {
-    for (var v = thread; v < vertex_count(source); v += THREADS) {
-        var position = vertex;
-        if v != thread {
-            position = vertices[source.vertex + v].position;
-        }
-        let relative = position - view.position;
-        let x = square_space(view, relative, square);
-        relatives[v] = relative;
-        places[v] = x;
-        corners[v] = projected(view, x);
-    }
+// Least and greatest depth of a triangle. Seen edge-on its plane may say anything, but no point of it has a greater w than
+// its corners, nor, where it spans an angle of a, less than 1 - 0.53 a^2 of the least of theirs.
+fn depth_limits(near: f32, a: Corner, b: Corner, c: Corner) -> vec2<f32> {
+    let depths = near / abs(vec3<f32>(a.w, b.w, c.w));
+    let extent = extent_of(a, b, c);
+    // An angle is at most twice as large as its extent in the map.
+    let shortening = 2.2 * dot(extent, extent);
+    let is_bounded = shortening < 0.5 && min(a.w, min(b.w, c.w)) > 0.0;
+    let nearest = max(depths.x, max(depths.y, depths.z)) / (1.0 - min(shortening, 0.5));
+    let farthest = min(depths.x, min(depths.y, depths.z));
+    return vec2<f32>(select(0.0, farthest, is_bounded), select(3e38, nearest, is_bounded));
 }
 
-// Has `count` rows drawn of a chunk's triangle `t`.
-fn enqueue(t: u32, count: u32) {
-    let before = atomicAdd(&queued, (count << 9u) | 1u);
-    queue[before & 0x1ffu] = ((before >> 9u) << 8u) | t;
+// Whether a triangle covers the direction q. Its neighbour at an edge says the opposite with the same bits, or both do.
+fn covers(triangle: Triangle, q: vec3<f32>) -> bool {
+    return dot(triangle.e0, q) >= 0.0 && dot(triangle.e1, q) >= 0.0 && dot(triangle.e2, q) >= 0.0;
 }
 
-// The queue's last triangle whose rows begin at `row` or before.
-fn triangle_of_row(row: u32, count: u32) -> u32 {
-    var low = 0u;
-    var high = count;
-    while high - low > 1u {
-        let middle = (low + high) / 2u;
-        if (queue[middle] >> 8u) <= row {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return queue[low];
+// The same with room for what another shader, which may round otherwise, took for covered: as the sine of an angle.
+const SAME_EDGE: f32 = 1e-6;
+
+fn covers_nearly(triangle: Triangle, q: vec3<f32>) -> bool {
+    let edges = vec3<f32>(dot(triangle.e0, q), dot(triangle.e1, q), dot(triangle.e2, q));
+    let lengths = vec3<f32>(length(triangle.e0), length(triangle.e1), length(triangle.e2));
+    return all(edges >= -SAME_EDGE * lengths);
 }
 
-// The part of a row, from `box`'s left to its right, that a plane doesn't exclude; relative to the middle.
+// How far apart two shaders may find the depth of one triangle at one texel: relative to what is summed, which cancels where
+// the triangle is seen at a grazing angle.
+const SAME_DEPTH: f32 = 1e-6;
+
+fn is_same_depth(triangle: Triangle, z: f32, depth: f32) -> bool {
+    return abs(z - depth) <= same_depth_margin(triangle, depth);
+}
+
+fn same_depth_margin(triangle: Triangle, depth: f32) -> f32 {
+    return SAME_DEPTH * (depth + LONGEST_DIRECTION * length(triangle.plane));
+}
+
+// Whether a triangle may have a texel's depth in the end, by what the texel holds so far. Whichever is drawn first, all that
+// do are found.
+fn may_be_numbered(triangle: Triangle, z: f32, so_far: f32) -> bool {
+    return z >= so_far - 3.0 * same_depth_margin(triangle, so_far);
+}
+
+fn depth_at(triangle: Triangle, q: vec3<f32>) -> f32 {
+    return clamp(dot(triangle.plane, q), triangle.limits.x, triangle.limits.y);
+}
+
+// The part of a row that a plane doesn't exclude, relative to its middle, which reaches `half` to either side.
 fn trimmed(span: vec2<f32>, e: vec3<f32>, middle: vec2<f32>, half: f32) -> vec2<f32> {
     let at = dot(e, scaled_direction(middle));
-    let bent = spread(vec3<f32>(0.0, 0.0, e.z), vec2<f32>(0.0), half);
+    let bent = spread(vec3<f32>(0.0, 0.0, e.z), vec2<f32>(0.0), vec2<f32>(half, 0.0));
     let slope = slope_along_row(e, middle.x);
     let pad = bent + 1e-6 * (abs(e.x) + abs(e.y) + abs(e.z));
     let cut = clamp(-(at + pad) / slope, -2.0 * half, 2.0 * half);
     return vec2<f32>(select(span.x, max(span.x, cut), slope > 0.0), select(span.y, min(span.y, cut), slope < 0.0));
 }
 
-// Texels of a row that a triangle may cover: first and last.
+// Texels of a row of a box that a triangle may cover: first and last.
 fn row_span(view: View, triangle: Triangle, box: Box, y: i32) -> vec2<i32> {
     if box.high.x - box.low.x <= 3 {
         return vec2<i32>(box.low.x, box.high.x);
@@ -192,24 +185,6 @@ fn row_span(view: View, triangle: Triangle, box: Box, y: i32) -> vec2<i32> {
     let first = box.low.x + i32(ceil((span.x + half) * view.texels - 0.01));
     let last = box.low.x + i32(floor((span.y + half) * view.texels + 0.01));
     return vec2<i32>(max(box.low.x, first), min(box.high.x, last));
-}
-
-// Whether a triangle covers the direction q. Its neighbour at an edge says the opposite with the same bits, or both do.
-fn covers(triangle: Triangle, q: vec3<f32>) -> bool {
-    return dot(triangle.e0, q) >= 0.0 && dot(triangle.e1, q) >= 0.0 && dot(triangle.e2, q) >= 0.0;
-}
-
-// Least and greatest depth of a triangle by its `projected` corners. Seen edge-on its plane may say anything, but no point
-// of it has a greater w than its corners, nor, where it spans an angle of a, less than 1 - 0.53 a^2 of the least of theirs.
-fn depth_limits(near: f32, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<f32> {
-    let depths = near / abs(vec3<f32>(a.z, b.z, c.z));
-    let extent = max(a.xy, max(b.xy, c.xy)) - min(a.xy, min(b.xy, c.xy));
-    // An angle is at most twice as large as its extent in the map.
-    let shortening = 2.2 * dot(extent, extent);
-    let is_bounded = shortening < 0.5 && min(a.z, min(b.z, c.z)) > 0.0;
-    let nearest = max(depths.x, max(depths.y, depths.z)) / (1.0 - min(shortening, 0.5));
-    let farthest = min(depths.x, min(depths.y, depths.z));
-    return vec2<f32>(select(0.0, farthest, is_bounded), select(3e38, nearest, is_bounded));
 }
 
 // Where the workspace has four texels of a row, the last one over where it has ended.

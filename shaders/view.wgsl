@@ -17,7 +17,7 @@ struct View {
     resolution: f32,
     // A direction is behind a hemisphere when its z is below this.
     behind: f32,
-    // Bit 0 the front, bit 1 the back.
+    // Bit 0 the front, bit 1 the back; all bits set for all directions.
     hemispheres: u32,
     // Chunks are 0 to below this.
     end_chunk: u32,
@@ -34,19 +34,24 @@ struct View {
     // How many records and jobs there is room for.
     record_capacity: u32,
     job_capacity: u32,
+    // The same of triangles that were drawn small.
+    first_winner: u32,
+    winner_capacity: u32,
     // Where the item's counters are.
     counters: u32,
     // The map's upper left texel, the front's, and its layer.
     left: u32,
     top: u32,
     layer: u32,
-    // START_* below.
-    @size(128) start: u32,
+    // FLAG_* below.
+    @size(120) flags: u32,
 }
 
 // The map starts from that of the static casters, or from what the caller has drawn.
-const START_STATIC: u32 = 1u;
-const START_CUSTOM: u32 = 2u;
+const FLAG_STATIC: u32 = 1u;
+const FLAG_CUSTOM: u32 = 2u;
+// There may be more of something than there is room for.
+const FLAG_OVERFLOWS: u32 = 4u;
 
 // Work items that the stages go through at a time; a workgroup's z says which.
 const MOST_ITEMS: u32 = 8u;
@@ -63,27 +68,34 @@ const BLOCK: u32 = 8u;
 const RECORD: u32 = 4u;
 const SQUARE_SHIFT: u32 = 29u;
 
-// An item's counters: records and jobs wanted, whether there was room or not, and entries of the lists below.
+// Number of a triangle, with one added so that 0 is none.
+fn number_of(chunk: u32, t: u32) -> u32 {
+    return ((chunk << 8u) | t) + 1u;
+}
+
+// An item's counters: records, jobs and winners wanted, whether there was room or not, and entries of the lists below.
 const COUNTER_RECORDS: u32 = 0u;
 const COUNTER_JOBS: u32 = 1u;
-const COUNTER_LISTS: u32 = 2u;
+const COUNTER_WINNERS: u32 = 2u;
+const COUNTER_LISTS: u32 = 3u;
 
-// Of a chunk as one map sees it, bits of its triangles: in the first list those that won a texel when they were drawn, in the
-// second those that were put off.
+// A *part* is a chunk as one map sees it: its number is `SQUARES` times the chunk's, and the map's. There are two lists of
+// parts with bits of their triangles: of those that won a texel when they were drawn but found no room among the winners, and
+// of those that were put off.
 const LIST_DRAWN: u32 = 0u;
 const LIST_DEFERRED: u32 = 1u;
 const LISTS: u32 = 2u;
-// Words of either.
-const CHUNK_BITS: u32 = 8u;
+// Words of a part's bits in a list.
+const PART_BITS: u32 = 8u;
 
-// Where a chunk's bits are; its part is `SQUARES` times its number and its map.
+// Where a part's bits are.
 fn bits_of(view: View, part: u32, list: u32) -> u32 {
-    return view.first_bits + (part * LISTS + list) * CHUNK_BITS;
+    return view.first_bits + (part * LISTS + list) * PART_BITS;
 }
 
-// Where a list of the chunks' parts that have bits begins.
+// Where a list begins.
 fn list_of(view: View, list: u32) -> u32 {
-    return view.first_bits + SQUARES * view.end_chunk * (LISTS * CHUNK_BITS + list);
+    return view.first_bits + SQUARES * view.end_chunk * (LISTS * PART_BITS + list);
 }
 
 // Map coordinates of a texel's centre.

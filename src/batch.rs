@@ -15,10 +15,12 @@ pub(crate) const MOVING: u32 = 0b1010;
 /// Bit 1 says that a chunk's mesh has holes.
 pub(crate) const MASKED: u32 = 0b1100;
 
-/// What an item's map starts from: that of the static casters. Twin of `START_STATIC`.
-pub(crate) const START_STATIC: u32 = 1;
-/// The same: what the caller has drawn. Twin of `START_CUSTOM`.
-pub(crate) const START_CUSTOM: u32 = 2;
+/// An item's map starts from that of the static casters. Twin of `FLAG_STATIC`.
+pub(crate) const FROM_STATIC: u32 = 1;
+/// It starts from what the caller has drawn. Twin of `FLAG_CUSTOM`.
+pub(crate) const FROM_CUSTOM: u32 = 2;
+/// There may be more of something than there is room for. Twin of `FLAG_OVERFLOWS`.
+pub(crate) const OVERFLOWS: u32 = 4;
 
 /// A light whose map is made, and of which kinds of chunks.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +29,7 @@ pub(crate) struct Item {
     pub(crate) layer: u32,
     /// Bit k stands for chunks of kind k.
     pub(crate) kinds: u32,
-    /// [`START_STATIC`] and [`START_CUSTOM`].
+    /// [`FROM_STATIC`] and [`FROM_CUSTOM`].
     pub(crate) start: u32,
 }
 
@@ -35,42 +37,51 @@ pub(crate) struct Item {
 pub(crate) const TILE: u32 = 16;
 /// Tiles across a block; twin of `BLOCK`.
 const BLOCK: u32 = 8;
-/// Large triangles of an item that there is room for at most, counted in each hemisphere; with more they are drawn another
+/// Large triangles of an item that there is room for at most, counted in each map; with more they are drawn another
 /// way.
 const MOST_RECORDS: u64 = 1 << 18;
+/// Small triangles of an item that there is room for at most; so many have half of a binding's 128 MiB.
+const MOST_WINNERS: u64 = 1 << 24;
 /// Jobs of the binning that there is room for however few records.
 const FEWEST_JOBS: u64 = 1 << 16;
-/// Words of a chunk's bits, of both lists and hemispheres, and of its entries in the lists; twins of `CHUNK_BITS` and others.
-const BITS: u32 = 2 * 2 * (8 + 1);
+/// Words of a part's bits in both lists, and of its entries in the lists; twins of `PART_BITS` and others.
+const BITS: u32 = 2 * (8 + 1);
 /// Bytes of the workspace of a batch of several items.
 const BATCH_BYTES: u64 = 128 << 20;
 
 /// What an item needs of the workspace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Share {
-    /// Tiles of both hemispheres.
+    /// Tiles of all maps.
     pub(crate) tiles: u32,
     pub(crate) records: u32,
     pub(crate) jobs: u32,
+    /// Triangles that won a texel when they were drawn small.
+    pub(crate) winners: u32,
     /// Words.
     pub(crate) bits: u32,
-    /// Whether there may be more records or jobs than room.
+    /// Whether there may be more records, jobs or winners than room.
     pub(crate) overflows: bool,
 }
 
 impl Share {
     pub(crate) fn new(shape: &MapShape, casters: &Casters) -> Self {
         let across = shape.tiles();
-        let most = 2 * casters.triangle_count();
+        let squares = shape.projection.squares;
+        let most = u64::from(squares) * casters.triangle_count();
         let records = most.clamp(64, MOST_RECORDS);
         let most_jobs = records * u64::from(across.div_ceil(BLOCK));
         let jobs = most_jobs.min(FEWEST_JOBS.max(4 * records));
+        // At most one for each texel, nearly always.
+        let texels = u64::from(squares) * u64::from(shape.resolution) * u64::from(shape.resolution);
+        let winners = most.min(texels.min(MOST_WINNERS)).max(64);
         Self {
-            tiles: 2 * across * across,
+            tiles: shape.all_tiles(),
             records: records as u32,
             jobs: jobs as u32,
-            bits: BITS * casters.chunk_count().max(1),
-            overflows: most > records || most_jobs > jobs,
+            winners: winners as u32,
+            bits: squares * BITS * casters.chunk_count().max(1),
+            overflows: most > records.min(winners) || most_jobs > jobs,
         }
     }
 
@@ -84,13 +95,17 @@ impl Share {
     pub(crate) fn bytes(&self, room: u32) -> u64 {
         let texels = 8 * u64::from(TILE * TILE);
         let tiles = u64::from(self.tiles) * (texels + 8 + 4 * u64::from(room));
-        tiles + 64 * u64::from(self.records) + 4 * u64::from(self.jobs) + 4 * u64::from(self.bits)
+        tiles
+            + 64 * u64::from(self.records)
+            + 4 * (u64::from(self.jobs) + u64::from(self.winners) + u64::from(self.bits))
     }
 
     /// Items of a batch, of so many as there are. `limit` is the most that a buffer may have.
     pub(crate) fn items(&self, lights: u32, room: u32, limit: u64) -> u32 {
         let list = 4 * u64::from(room.max(TILE * TILE)) * u64::from(self.tiles);
-        let widest = list.max(64 * u64::from(self.records)).max(4 * u64::from(self.bits));
+        let lists = 4 * (u64::from(self.jobs) + u64::from(self.winners));
+        let widest =
+            [list, lists, 64 * u64::from(self.records), 4 * u64::from(self.bits)].into_iter().fold(1, u64::max);
         let fit = (BATCH_BYTES / self.bytes(room)).min(limit / widest);
         fit.clamp(1, u64::from(MOST_ITEMS.min(lights.max(1)))) as u32
     }
@@ -102,9 +117,9 @@ mod tests {
 
     #[test]
     fn batches_are_as_large_as_there_is_room() {
-        let share = Share { tiles: 8192, records: 64, jobs: 1024, bits: 36, overflows: false };
+        let share = Share { tiles: 8192, records: 64, jobs: 1024, winners: 64, bits: 36, overflows: false };
         // 8192 tiles of 2048 + 8 + 512 bytes, and 8320 bytes.
-        assert_eq!(share.bytes(128), 8192 * 2568 + 4096 + 4096 + 144);
+        assert_eq!(share.bytes(128), 8192 * 2568 + 4096 + 4096 + 256 + 144);
         assert_eq!(share.items(64, 128, 128 << 20), 6);
         assert_eq!(share.items(3, 128, 128 << 20), 3);
         assert_eq!(share.items(64, 128, 8 << 20), 1);

@@ -31,14 +31,14 @@ impl Default for Indices<'_> {
 }
 
 impl Indices<'_> {
-    fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::U16(list) => list.len(),
             Self::U32(list) => list.len(),
         }
     }
 
-    fn get(&self, place: usize) -> u32 {
+    pub(crate) fn get(&self, place: usize) -> u32 {
         match self {
             Self::U16(list) => u32::from(list[place]),
             Self::U32(list) => list[place],

@@ -1,7 +1,7 @@
 //! From a mesh to chunks: at most 256 triangles over at most 256 vertices of their own, neighbours in space,
 //! with the closed pieces of the mesh found and turned outward.
 
-use crate::casters::{CasterMesh, Indices, Sides};
+use crate::casters::{CasterMesh, Sides};
 use crate::cone::Cone;
 use glam::{DVec3, Vec3};
 
@@ -33,7 +33,7 @@ impl Bounds {
     }
 }
 
-/// What the route may do with the triangles of a chunk that face away from the light.
+/// What the cull stage may do with the triangles of a chunk that face away from the light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Culling {
     /// They cast.
@@ -97,17 +97,7 @@ struct Triangle {
 /// Cuts a mesh whose values have been checked. Triangles of no area are left out: they cast nothing.
 pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
     let Welded { positions, corners, sources } = weld(mesh);
-    let mut triangles: Vec<Triangle> = corners
-        .into_iter()
-        .zip(0..)
-        .map(|(c, number)| Triangle {
-            corners: c,
-            centre: (positions[c[0] as usize] + positions[c[1] as usize] + positions[c[2] as usize]) / 3.0,
-            closed: false,
-            piece: 0,
-            number,
-        })
-        .collect();
+    let mut triangles = triangles(&positions, corners);
     // Holes show back faces, and what is turned away now may not be later.
     let plain = mesh.mask.is_none() && !mesh.deforms;
     let closes = mesh.sides == Sides::Auto && plain;
@@ -148,6 +138,32 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
     cutter.out
 }
 
+/// The closed piece that a triangle belongs to, and which way the piece is wound.
+#[cfg(feature = "compare")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct ClosedPiece {
+    /// Number of one of the piece's triangles, the same for all of them.
+    pub(crate) triangle: u32,
+    /// Whether fronts (corners anticlockwise) are on the inside.
+    pub(crate) inside_out: bool,
+}
+
+/// For each triangle of an opaque mesh whose values have been checked, the closed piece that it belongs to. `None` for
+/// those of open pieces and for those of no area.
+#[cfg(feature = "compare")]
+pub(crate) fn closed_pieces(positions: &[[f32; 3]], indices: crate::Indices) -> Vec<Option<ClosedPiece>> {
+    let mut pieces = vec![None; indices.len() / 3];
+    let Welded { positions, corners, .. } = weld(&CasterMesh { positions, indices, ..Default::default() });
+    let mut triangles = triangles(&positions, corners.clone());
+    find_closed_pieces(&positions, &mut triangles);
+    for (triangle, (number, corners)) in triangles.iter().zip(corners).filter(|(triangle, _)| triangle.closed) {
+        // Closed pieces have been turned outward.
+        let inside_out = triangle.corners != corners;
+        pieces[number as usize] = Some(ClosedPiece { triangle: triangles[triangle.piece as usize].number, inside_out });
+    }
+    pieces
+}
+
 /// Puts the triangles of closed pieces first and returns their number.
 fn closed_first(triangles: &mut [Triangle]) -> usize {
     triangles.sort_by_key(|t| !t.closed);
@@ -157,10 +173,19 @@ fn closed_first(triangles: &mut [Triangle]) -> usize {
 /// A mesh's vertices without repetition.
 struct Welded {
     positions: Vec<Vec3>,
-    /// The triangles of some area; if the mesh deforms, all of three vertices.
-    corners: Vec<[u32; 3]>,
+    /// The triangles of some area, with their numbers in the mesh; if the mesh deforms, all of three vertices.
+    corners: Vec<(u32, [u32; 3])>,
     /// One of the mesh's positions that each is.
     sources: Vec<u32>,
+}
+
+/// Triangles of no known piece yet, by their numbers and welded vertices.
+fn triangles(positions: &[Vec3], corners: Vec<(u32, [u32; 3])>) -> Vec<Triangle> {
+    let triangle = |(number, corners): (u32, [u32; 3])| {
+        let [a, b, c] = corners.map(|vertex| positions[vertex as usize]);
+        Triangle { corners, centre: (a + b + c) / 3.0, closed: false, piece: 0, number }
+    };
+    corners.into_iter().map(triangle).collect()
 }
 
 /// Joins vertices of the same position and, if the mesh is masked, of the same texture coordinates. Those of a mesh
@@ -186,20 +211,17 @@ fn weld(mesh: &CasterMesh) -> Welded {
         }
         welded[v as usize] = positions.len() as u32 - 1;
     }
-    let triangle = |i: [u32; 3]| i.map(|v| welded[v as usize]);
-    let casts = |c: &[u32; 3]| {
+    let casts = |(_, c): &(u32, [u32; 3])| {
         if mesh.deforms {
             return c[0] != c[1] && c[1] != c[2] && c[2] != c[0];
         }
         let [a, b, c] = c.map(|v| positions[v as usize].as_dvec3());
         (b - a).cross(c - a) != DVec3::ZERO
     };
-    let corners = match mesh.indices {
-        Indices::U16(list) => {
-            list.as_chunks().0.iter().map(|i: &[u16; 3]| triangle(i.map(u32::from))).filter(casts).collect()
-        }
-        Indices::U32(list) => list.as_chunks().0.iter().map(|&i: &[u32; 3]| triangle(i)).filter(casts).collect(),
-    };
+    let count = (mesh.indices.len() / 3) as u32;
+    let numbered =
+        |number: u32| (number, [0, 1, 2].map(|k| welded[mesh.indices.get(3 * number as usize + k) as usize]));
+    let corners = (0..count).map(numbered).filter(casts).collect();
     Welded { positions, corners, sources }
 }
 

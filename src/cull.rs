@@ -3,11 +3,11 @@
 use crate::batch::MOST_ITEMS;
 use crate::casters::Casters;
 use crate::gpu::{self, Binding, Workgroups};
-use crate::view::SLOT;
+use crate::view::{Projection, SLOT};
 use crate::workspace::Workspace;
 
 /// Texels along a side of the largest box of a triangle that is drawn at once.
-const SMALL: u32 = 12;
+const SMALL: u32 = 6;
 /// The same in software, where tiles are slower.
 const SOFTWARE_SMALL: u32 = 64;
 
@@ -21,11 +21,17 @@ pub(crate) struct Cull {
 impl Cull {
     /// `reject` off keeps triangles that face away in closed pieces. `small` is in texels, for tests of where triangles of
     /// both kinds meet.
-    pub(crate) fn new(device: &wgpu::Device, workgroups: Workgroups, reject: bool, small: Option<u32>) -> Self {
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        projection: Projection,
+        workgroups: Workgroups,
+        reject: bool,
+        small: Option<u32>,
+    ) -> Self {
         use Binding::{Read, Uniform, Write};
         let bindings = [Uniform, Read, Read, Read, Read, Write, Write, Write, Write];
         let layout = gpu::layout(device, "cull", wgpu::ShaderStages::COMPUTE, &bindings);
-        let module = gpu::shader(device, "cull", crate::wgsl::cull());
+        let module = gpu::shader(device, "cull", crate::wgsl::cull(projection));
         let small = small.unwrap_or(if workgroups == Workgroups::Software { SOFTWARE_SMALL } else { SMALL });
         let constants = [
             ("THREADS", f64::from(workgroups.chunk_threads())),
@@ -50,17 +56,24 @@ impl Cull {
             casters.vertices.buffer(),
             &workspace.depths,
             &workspace.records,
-            &workspace.jobs,
+            &workspace.lists,
             &workspace.state,
         ];
         gpu::bind_after_views(device, "cull", &self.layout, views, &buffers)
     }
 
     /// Records a batch of `items` items, of which `first` is the first of the recording.
-    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, first: u32, items: u32, chunks: u32) {
+    pub(crate) fn record(
+        &self,
+        pass: &mut wgpu::ComputePass,
+        group: &wgpu::BindGroup,
+        first: u32,
+        items: u32,
+        parts: u32,
+    ) {
         debug_assert!(items <= MOST_ITEMS);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[first * SLOT as u32]);
-        pass.dispatch_workgroups(chunks.clamp(1, self.workgroups.most_groups()), 2, items);
+        pass.dispatch_workgroups(parts.clamp(1, self.workgroups.most_groups()), 1, items);
     }
 }

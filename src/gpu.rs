@@ -214,8 +214,8 @@ impl Workgroups {
         self.choose(1, 8)
     }
 
-    /// Workgroups of the binning.
-    pub(crate) fn bin_groups(self) -> u32 {
+    /// Workgroups that lists are shared out among.
+    pub(crate) fn list_groups(self) -> u32 {
         self.choose(4096, 64)
     }
 

@@ -1,8 +1,8 @@
 //! Omnidirectional shadows for point lights from a dual paraboloid pair.
 //!
-//! A point light throws shadows in every direction. This crate renders them on `wgpu` into two maps a light, one for
-//! each hemisphere, in one render pass and from only the triangles that can matter. Straight edges stay where they
-//! belong to within a fraction of a texel, the join of the two maps can't be seen, and there is no bias to tune.
+//! A point light throws shadows in every direction. This crate makes two maps a light on `wgpu`, one for each hemisphere,
+//! by a rasteriser in compute shaders that decides each texel by its own ray: edges don't bend. The join of the two maps
+//! can't be seen, and there is no bias to tune.
 //!
 //! # Use
 //!
@@ -44,8 +44,8 @@
 //! [`LightId::index`], the normal is the triangle's own. `dp_shadow_filtered` has softer edges, by the light's [`Filter`];
 //! [`wgsl::lookup`] lists the others.
 //!
-//! The device, the queue and the encoder are the caller's, and nothing is submitted. [`PointShadows::record`] renders
-//! only the lights that changed or that something moved near.
+//! The device, the queue and the encoder are the caller's, and nothing is submitted. [`PointShadows::record`] makes
+//! maps only of the lights that changed or that something moved near.
 //!
 //! Foliage and grilles have a [`Mask`] that cuts holes. Meshes whose vertices the renderer moves on the GPU, by skinning
 //! say, are added as ones that [deform](CasterMesh::deforms), and [`Casters::deform`] says where their positions are.
@@ -59,7 +59,7 @@
 //! | Light space | world less the light's position, turned by the inverse of its orientation |
 //! | Hemisphere space | light space for the front; for the back light space turned half a circle about Y. The axis is +Z in both |
 //! | Map coordinates | `p = X.xy / w` with `w = length(X) + X.z`; the hemisphere is the unit disc |
-//! | Maps | `Depth32Float`, a layer a light, the front in the left half and the back in the right; y of `p` is up, rows go down |
+//! | Maps | depths `R32Float` and triangles' numbers `R32Uint`, eight bytes a texel; a layer a light, the front in the left half and the back in the right; y of `p` is up, rows go down |
 //! | Depth | `near / w`: 1 near the light, 0 at infinity, greater is nearer, no far plane |
 //!
 //! [`paraboloid`] has the mapping as functions, `ARCHITECTURE.md` how the crate is built and why.
@@ -82,6 +82,7 @@ mod light;
 mod lookup;
 mod maps;
 mod mask;
+mod number;
 pub mod paraboloid;
 mod ranges;
 mod rasterise;
@@ -99,10 +100,10 @@ pub use custom::CasterPass;
 pub use deform::Deformed;
 pub use error::Error;
 pub use filter::Filter;
-pub use light::{Coverage, PointLight};
-pub use mask::Mask;
 #[cfg(feature = "compare")]
 pub use gpu::Workgroups;
+pub use light::{Coverage, PointLight};
+pub use mask::Mask;
+pub use shadows::{LightId, PointShadows, PointShadowsDescriptor, RecordOptions};
 #[cfg(feature = "compare")]
 pub use shadows::{Stage, Tuning};
-pub use shadows::{LightId, PointShadows, PointShadowsDescriptor, RecordOptions};

@@ -30,8 +30,9 @@ struct Layers {
 }
 
 impl Maps {
-    pub(crate) fn new(device: &wgpu::Device, capacity: u32, resolution: u32, keep_static: bool) -> Self {
-        let layers = |what| Layers::new(device, what, [2 * resolution, resolution, capacity]);
+    /// Of so many texels across and down, and so many layers.
+    pub(crate) fn new(device: &wgpu::Device, size: [u32; 3], keep_static: bool) -> Self {
+        let layers = |what| Layers::new(device, what, size);
         Self { live: layers("maps"), kept: keep_static.then(|| layers("static maps")) }
     }
 
@@ -41,6 +42,7 @@ impl Maps {
     }
 
     /// The numbers of the triangles whose depths they are.
+    #[cfg(feature = "compare")]
     pub(crate) fn numbers(&self) -> &wgpu::Texture {
         &self.live.textures[1]
     }

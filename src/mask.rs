@@ -1,6 +1,6 @@
 //! Masks: the textures that cut holes into casters, as bytes of alpha on the GPU (`shaders/mask.wgsl`).
 //!
-//! All masks lie in one buffer, so that one pipeline and one draw handle any number of them.
+//! All masks lie in one buffer, so that one pipeline handles any number of them.
 
 use crate::Error;
 use crate::arena::Arena;

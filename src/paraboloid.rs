@@ -20,12 +20,12 @@ macro_rules! mapping {
         use glam::{swizzles::*, $vec2, $vec3, $vec4};
 
         /// A vertex whose direction is farther than this from the hemisphere's axis, as the cosine of the
-        /// angle (120 degrees), can't belong to a triangle that touches the disc, since no drawn edge is
-        /// longer than [`LONGEST_EDGE`] and the guard band ends before 98 degrees.
+        /// angle (120 degrees), can't belong to a triangle that the hardware draws and that touches the disc, since
+        /// none of its edges is longer than [`LONGEST_EDGE`] and the guard band ends before 98 degrees.
         pub const BEHIND: $float = -0.5;
 
-        /// The longest edge, in map coordinates, that is ever drawn without being split (20 degrees on the axis, 10 at
-        /// the rim), however little it bends: keeps triangles around the axis behind out of the map.
+        /// The longest edge, in map coordinates, of casters that the hardware draws (20 degrees on the axis, 10 at the
+        /// rim), however little it bends: keeps triangles around the axis behind out of the map.
         pub const LONGEST_EDGE: $float = 0.17;
 
         /// Light space to hemisphere space and back: the identity for the front, half a turn about Y for

@@ -3,7 +3,7 @@
 use crate::batch::MOST_ITEMS;
 use crate::gpu::{self, Workgroups};
 use crate::maps::{self, Maps, Target};
-use crate::view::{SLOT, View};
+use crate::view::{MapShape, Projection, SLOT, View};
 use crate::workspace::Workspace;
 
 #[derive(Debug)]
@@ -23,9 +23,9 @@ struct Nothing {
 
 impl Rasterise {
     /// With lists of `room` entries a tile.
-    pub(crate) fn new(device: &wgpu::Device, workgroups: Workgroups, room: u32) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, projection: Projection, workgroups: Workgroups, room: u32) -> Self {
         let layout = layout(device);
-        let module = gpu::shader(device, "rasterise", crate::wgsl::rasterise(workgroups.quads()));
+        let module = gpu::shader(device, "rasterise", crate::wgsl::rasterise(projection, workgroups.quads()));
         let constants = [("ROOM", f64::from(room)), ("BATCHED", f64::from(u8::from(workgroups.has_cheap_barriers())))];
         let pipeline = gpu::compute_pipeline(device, "rasterise", &module, &[&layout], &constants);
         let nothing = |format| {
@@ -65,11 +65,18 @@ impl Rasterise {
         gpu::bind_group(device, "rasterise", &self.layout, &resources)
     }
 
-    /// Records a batch of `items` items with maps of `tiles` tiles across, of which `first` is the first of the recording.
-    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, first: u32, items: u32, tiles: u32) {
+    /// Records a batch of `items` items with maps of a shape, of which `first` is the first of the recording.
+    pub(crate) fn record(
+        &self,
+        pass: &mut wgpu::ComputePass,
+        group: &wgpu::BindGroup,
+        first: u32,
+        items: u32,
+        shape: &MapShape,
+    ) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[first * SLOT as u32]);
-        pass.dispatch_workgroups(tiles, tiles, 2 * items);
+        pass.dispatch_workgroups(shape.tiles(), shape.tiles(), shape.projection.squares * items);
     }
 }
 
@@ -82,8 +89,7 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         format,
         view_dimension: D2Array,
     };
-    let read =
-        |sample_type| BindingType::Texture { sample_type, view_dimension: D2Array, multisampled: false };
+    let read = |sample_type| BindingType::Texture { sample_type, view_dimension: D2Array, multisampled: false };
     let types = [
         buffer(BufferBindingType::Uniform, true),
         storage(true),

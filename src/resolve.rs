@@ -1,10 +1,10 @@
-//! The resolve stage: draws what the cull stage put off, and finds which triangle each texel's depth is of
-//! (`shaders/resolve.wgsl`).
+//! The resolve stage: draws what the cull stage put off, and numbers its texels (`shaders/resolve.wgsl`). Of scenes without
+//! masks, and with room for all, it isn't recorded.
 
 use crate::casters::Casters;
 use crate::gpu::{self, Binding, Workgroups};
 use crate::mask;
-use crate::view::SLOT;
+use crate::view::{Projection, SLOT};
 use crate::workspace::Workspace;
 
 #[derive(Debug)]
@@ -19,12 +19,12 @@ pub(crate) struct Resolve {
 }
 
 impl Resolve {
-    pub(crate) fn new(device: &wgpu::Device, workgroups: Workgroups) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, projection: Projection, workgroups: Workgroups) -> Self {
         use Binding::{Read, Uniform, Write};
         let bindings = [Uniform, Read, Read, Read, Write, Write, Write];
         let layout = gpu::layout(device, "resolve", wgpu::ShaderStages::COMPUTE, &bindings);
         let mask_layout = mask::layout(device);
-        let module = gpu::shader(device, "resolve", crate::wgsl::resolve());
+        let module = gpu::shader(device, "resolve", crate::wgsl::resolve(projection));
         let pipeline = |numbers: bool| {
             let constants = [
                 ("THREADS", f64::from(workgroups.chunk_threads())),
@@ -58,23 +58,20 @@ impl Resolve {
         ]
     }
 
-    /// Records a batch of `items` items, of which `first` is the first of the recording.
+    /// Records the drawing, or the numbering, of a batch of `items` items, of which `first` is the first of the recording.
     pub(crate) fn record(
         &self,
         pass: &mut wgpu::ComputePass,
         groups: &[wgpu::BindGroup; 2],
         first: u32,
         items: u32,
-        chunks: u32,
-        has_deferred: bool,
+        parts: u32,
+        numbers: bool,
     ) {
+        pass.set_pipeline(if numbers { &self.numbers } else { &self.deferred });
         pass.set_bind_group(0, &groups[0], &[first * SLOT as u32]);
         pass.set_bind_group(1, &groups[1], &[]);
-        let pipelines = [has_deferred.then_some(&self.deferred), Some(&self.numbers)];
-        for pipeline in pipelines.into_iter().flatten() {
-            pass.set_pipeline(pipeline);
-            let groups = (2 * chunks).clamp(1, self.workgroups.most_groups());
-            pass.dispatch_workgroups(groups, self.workgroups.bands(), items);
-        }
+        let groups = parts.clamp(1, self.workgroups.most_groups());
+        pass.dispatch_workgroups(groups, self.workgroups.bands(), items);
     }
 }

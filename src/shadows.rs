@@ -1,7 +1,7 @@
 //! The lights' maps: which are stale, and the order in which their stages are recorded.
 
 use crate::Error;
-use crate::batch::{Item, MASKED, MOST_ITEMS, MOVING, START_CUSTOM, START_STATIC, STATIC, Share};
+use crate::batch::{FROM_CUSTOM, FROM_STATIC, Item, MASKED, MOST_ITEMS, MOVING, STATIC, Share};
 use crate::bin::Bin;
 use crate::casters::Casters;
 use crate::cull::Cull;
@@ -10,6 +10,7 @@ use crate::gpu::{self, Workgroups};
 use crate::light::PointLight;
 use crate::lookup::Lookup;
 use crate::maps::{Maps, Target};
+use crate::number::Number;
 use crate::rasterise::Rasterise;
 use crate::resolve::Resolve;
 use crate::schedule::{self, Due, Light, Stale};
@@ -29,8 +30,8 @@ pub struct PointShadowsDescriptor {
     /// Width of the guard band around each hemisphere, in texels: lookups near the seam find all their texels in
     /// their own map. In [1, 16]; a sixteenth of the resolution at most is used.
     pub guard: f32,
-    /// Keeps a second map of each light's static casters, over a copy of which the
-    /// [moving](crate::Casters::set_moving) ones are drawn. The maps are the same to the bit and take twice the memory;
+    /// Keeps a second map of each light's static casters, from which the map starts that the
+    /// [moving](crate::Casters::set_moving) ones are drawn to. The maps are the same to the bit and take twice the memory;
     /// it pays where little moves among much that doesn't.
     pub keep_static: bool,
 }
@@ -78,6 +79,7 @@ pub struct PointShadows {
     lookup: Lookup,
     cull: Cull,
     resolve: Resolve,
+    number: Number,
     bin: Bin,
     rasterise: Rasterise,
     custom: Custom,
@@ -85,7 +87,6 @@ pub struct PointShadows {
     views: wgpu::Buffer,
     groups: Option<Groups>,
     /// Items of the last recording that made a map.
-    #[cfg_attr(not(feature = "compare"), expect(dead_code, reason = "only measurements read the counters"))]
     recorded: usize,
     /// The last stage that is recorded.
     until: Stage,
@@ -98,7 +99,7 @@ pub enum Stage {
     /// Leaving out, drawing what is small, recording what is large.
     Cull,
     /// Drawing what was put off, and numbering texels.
-    Resolve,
+    Number,
     /// Which tiles large triangles touch.
     Bin,
     /// From tiles to maps.
@@ -127,8 +128,7 @@ impl Tuning {
     /// As it is best for a device.
     #[must_use]
     pub fn of(device: &wgpu::Device) -> Self {
-        let small = std::env::var("DP_SMALL").ok().and_then(|s| s.parse().ok());
-        Self { reject: true, workgroups: Workgroups::of(device), small, room: ROOM, records: None, jobs: None }
+        Self { reject: true, workgroups: Workgroups::of(device), small: None, room: ROOM, records: None, jobs: None }
     }
 }
 
@@ -150,6 +150,7 @@ struct Groups {
     key: (u32, u64),
     cull: wgpu::BindGroup,
     resolve: [wgpu::BindGroup; 2],
+    number: wgpu::BindGroup,
     bin: wgpu::BindGroup,
     /// For the maps of static casters, if those are kept.
     rasterise_static: Option<wgpu::BindGroup>,
@@ -163,7 +164,7 @@ impl PointShadows {
     /// [`Error::InvalidDescriptor`] for a value out of range or more than the device's limits allow, or
     /// [`Error::DeviceLost`].
     pub fn new(device: &wgpu::Device, descriptor: &PointShadowsDescriptor) -> Result<Self, Error> {
-        Self::with_tuning(device, descriptor, &Tuning::of(device))
+        Self::with_shape(device, descriptor, &Tuning::of(device), shape_of(descriptor))
     }
 
     /// [`Self::new`] with maps from every triangle, even of those that can't change them: what the tests hold the
@@ -182,19 +183,24 @@ impl PointShadows {
     /// As [`Self::new`].
     #[cfg(feature = "compare")]
     pub fn tuned(device: &wgpu::Device, descriptor: &PointShadowsDescriptor, tuning: &Tuning) -> Result<Self, Error> {
-        Self::with_tuning(device, descriptor, tuning)
+        Self::with_shape(device, descriptor, tuning, shape_of(descriptor))
     }
 
-    fn with_tuning(device: &wgpu::Device, descriptor: &PointShadowsDescriptor, tuning: &Tuning) -> Result<Self, Error> {
+    /// [`Self::tuned`] with maps of another shape than the descriptor's.
+    pub(crate) fn with_shape(
+        device: &wgpu::Device,
+        descriptor: &PointShadowsDescriptor,
+        tuning: &Tuning,
+        shape: MapShape,
+    ) -> Result<Self, Error> {
         validate(descriptor, &device.limits())?;
         gpu::check(device)?;
-        let PointShadowsDescriptor { capacity, resolution, guard, keep_static } = *descriptor;
+        let PointShadowsDescriptor { capacity, keep_static, .. } = *descriptor;
         let Tuning { reject, workgroups, small, room, records, jobs } = *tuning;
-        let shape = MapShape::new(resolution, guard);
-        let tiles = 2 * shape.tiles() * shape.tiles();
+        let (projection, tiles) = (shape.projection, shape.all_tiles());
         let room = room.min((device.limits().max_storage_buffer_binding_size / 4 / u64::from(tiles)) as u32).max(1);
-        let maps = Maps::new(device, capacity, resolution, keep_static);
-        let share = Share { tiles, records: 64, jobs: 64, bits: 36, overflows: false };
+        let maps = Maps::new(device, shape.extent(capacity), keep_static);
+        let share = Share { tiles, records: 64, jobs: 64, winners: 64, bits: 36, overflows: false };
         Ok(Self {
             shape,
             capacity,
@@ -203,10 +209,11 @@ impl PointShadows {
             seen: None,
             lookup: Lookup::new(device, maps.depths()),
             maps,
-            cull: Cull::new(device, workgroups, reject, small),
-            resolve: Resolve::new(device, workgroups),
-            bin: Bin::new(device, workgroups, room),
-            rasterise: Rasterise::new(device, workgroups, room),
+            cull: Cull::new(device, projection, workgroups, reject, small),
+            resolve: Resolve::new(device, projection, workgroups),
+            number: Number::new(device, projection, workgroups),
+            bin: Bin::new(device, projection, workgroups, room),
+            rasterise: Rasterise::new(device, projection, workgroups, room),
             custom: Custom::new(device, capacity),
             workspace: Workspace::new(device, share, room, Most { records, jobs }, 1, MOST_ITEMS),
             views: view_buffer(device, capacity),
@@ -388,29 +395,36 @@ impl PointShadows {
     /// What is made: first the maps of static casters, then, from the number that is returned, those that are looked up.
     fn plan(&self, due: &[Due], draws: bool) -> (u32, Vec<Item>) {
         let item = |due: &Due, kinds, start| Item { light: due.light, layer: due.layer, kinds, start };
-        let custom = if draws { START_CUSTOM } else { 0 };
+        let custom = if draws { FROM_CUSTOM } else { 0 };
         if !self.maps.keep_static() {
             return (0, due.iter().map(|due| item(due, STATIC | MOVING, custom)).collect());
         }
         let all_stale = due.iter().filter(|due| due.stale == Stale::Everything);
         let mut items: Vec<Item> = all_stale.map(|due| item(due, STATIC, 0)).collect();
         let first_live = items.len() as u32;
-        items.extend(due.iter().map(|due| item(due, MOVING, START_STATIC | custom)));
+        items.extend(due.iter().map(|due| item(due, MOVING, FROM_STATIC | custom)));
         (first_live, items)
     }
 
     fn record_batch(&self, encoder: &mut wgpu::CommandEncoder, casters: &Casters, batch: Range<u32>, target: Target) {
         let Some(groups) = &self.groups else { return };
-        let (first, items, chunks) = (batch.start, batch.len() as u32, casters.chunk_count());
+        let (first, items) = (batch.start, batch.len() as u32);
+        let parts = self.shape.projection.squares * casters.chunk_count();
         let share = self.workspace.share();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("dual_paraboloid::maps"),
             timestamp_writes: None,
         });
-        self.cull.record(&mut pass, &groups.cull, first, items, chunks);
+        self.cull.record(&mut pass, &groups.cull, first, items, parts);
         let has_deferred = share.overflows || casters.triangles_of(MASKED) > 0;
-        if self.until >= Stage::Resolve {
-            self.resolve.record(&mut pass, &groups.resolve, first, items, chunks, has_deferred);
+        if self.until >= Stage::Number {
+            if has_deferred {
+                self.resolve.record(&mut pass, &groups.resolve, first, items, parts, false);
+            }
+            self.number.record(&mut pass, &groups.number, first, items, share.winners);
+            if has_deferred {
+                self.resolve.record(&mut pass, &groups.resolve, first, items, parts, true);
+            }
         }
         if self.until >= Stage::Bin {
             self.bin.record(&mut pass, &groups.bin, first, items, share.jobs);
@@ -420,7 +434,7 @@ impl PointShadows {
                 Target::Live => &groups.rasterise_live,
                 Target::Static => groups.rasterise_static.as_ref().unwrap_or(&groups.rasterise_live),
             };
-            self.rasterise.record(&mut pass, group, first, items, self.shape.tiles());
+            self.rasterise.record(&mut pass, group, first, items, &self.shape);
         }
     }
 
@@ -448,13 +462,13 @@ impl PointShadows {
 
     fn bind(&self, device: &wgpu::Device, casters: &Casters, key: (u32, u64)) -> Groups {
         let (views, workspace) = (&self.views, &self.workspace);
-        let rasterise = |target, custom| {
-            self.rasterise.bind_group(device, views, workspace, &self.maps, target, custom)
-        };
+        let rasterise =
+            |target, custom| self.rasterise.bind_group(device, views, workspace, &self.maps, target, custom);
         Groups {
             key,
             cull: self.cull.bind_group(device, views, casters, workspace),
             resolve: self.resolve.bind_groups(device, views, casters, workspace),
+            number: self.number.bind_group(device, views, casters, workspace),
             bin: self.bin.bind_group(device, views, workspace),
             rasterise_static: self.maps.keep_static().then(|| rasterise(Target::Static, None)),
             rasterise_live: rasterise(Target::Live, self.custom.depths()),
@@ -516,7 +530,8 @@ impl PointShadows {
 
     /// Bytes on the GPU: the maps, twice with [`keep_static`](PointShadowsDescriptor::keep_static), and what the lights
     /// share: the workspace of up to eight of them at a time, and a few KiB for each. The workspace has 128 MiB at most,
-    /// unless a single light takes more: about 20 MiB at a resolution of 1024, and in proportion to its square.
+    /// unless a single light takes more: 32 MiB at a resolution of 1024, in proportion to its square, there at most 28 MiB
+    /// for large and winning triangles, and 144 bytes a chunk.
     #[must_use]
     pub fn memory(&self) -> u64 {
         self.maps.memory() + self.workspace.memory() + self.views.size() + self.custom.memory() + self.lookup.memory()
@@ -530,6 +545,10 @@ fn batches(first_live: u32, count: u32, most: u32) -> Vec<Range<u32>> {
         all.step_by(most as usize).map(move |first| first..(first + most).min(end))
     };
     pack(0..first_live).chain(pack(first_live..count)).collect()
+}
+
+fn shape_of(descriptor: &PointShadowsDescriptor) -> MapShape {
+    MapShape::new(descriptor.resolution, descriptor.guard)
 }
 
 fn validate(descriptor: &PointShadowsDescriptor, limits: &wgpu::Limits) -> Result<(), Error> {

@@ -1,17 +1,35 @@
 //! A light as the stages see it: the twins of the structs in `shaders/view.wgsl` and `shaders/hemisphere.wgsl`.
 
-use crate::batch::{Item, TILE};
+use crate::batch::{Item, OVERFLOWS, TILE};
 use crate::light::{Coverage, PointLight};
 use crate::paraboloid;
+use crate::wgsl;
 use crate::workspace::Workspace;
 use glam::{Quat, Vec3};
 
 /// Alignment of dynamic offsets that every device honours, and the size of what a buffer has of each item.
 pub(crate) const SLOT: u64 = 256;
 
-/// The map of one hemisphere.
+/// How a light's maps, all of them squares, show what is around it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Projection {
+    /// Maps of a light; twin of `SQUARES`.
+    pub(crate) squares: u32,
+    /// How many of them lie side by side in a layer; twin of `square_origin`.
+    pub(crate) squares_in_layer: u32,
+    /// Its functions in WGSL.
+    pub(crate) text: &'static str,
+}
+
+impl Projection {
+    /// The library's own.
+    pub(crate) const PARABOLOIDS: Self = Self { squares: 2, squares_in_layer: 2, text: wgsl::PARABOLOIDS };
+}
+
+/// One of a light's maps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct MapShape {
+    pub(crate) projection: Projection,
     /// Texels across.
     pub(crate) resolution: u32,
     /// Half the map's width in map coordinates, `1 + g`.
@@ -26,7 +44,7 @@ impl MapShape {
     pub(crate) fn new(resolution: u32, guard: f32) -> Self {
         let size = resolution as f32;
         let guard = guard.min(size / 16.0);
-        Self { resolution, half_width: size / (size - 2.0 * guard) }
+        Self { projection: Projection::PARABOLOIDS, resolution, half_width: size / (size - 2.0 * guard) }
     }
 
     /// Texels per unit of map coordinates.
@@ -37,6 +55,17 @@ impl MapShape {
     /// Tiles across.
     pub(crate) fn tiles(&self) -> u32 {
         self.resolution.div_ceil(TILE)
+    }
+
+    /// Tiles of all of a light's maps.
+    pub(crate) fn all_tiles(&self) -> u32 {
+        self.projection.squares * self.tiles() * self.tiles()
+    }
+
+    /// Width, height and layers of the maps of so many lights.
+    pub(crate) fn extent(&self, lights: u32) -> [u32; 3] {
+        let Projection { squares, squares_in_layer, .. } = self.projection;
+        [squares_in_layer * self.resolution, self.resolution, squares / squares_in_layer * lights]
     }
 
     /// How far depth that the hardware interpolates over the caller's casters may be off along a surface's normal, in texel
@@ -83,12 +112,14 @@ pub(crate) struct View {
     first_bits: u32,
     record_capacity: u32,
     job_capacity: u32,
+    first_winner: u32,
+    winner_capacity: u32,
     counters: u32,
     left: u32,
     top: u32,
     layer: u32,
-    start: u32,
-    padding: [u32; 31],
+    flags: u32,
+    padding: [u32; 29],
 }
 
 /// Light space's axes in world space: the rows of the rotation from world to light space.
@@ -96,17 +127,24 @@ pub(crate) fn axes(orientation: Quat) -> [Vec3; 3] {
     [orientation * Vec3::X, orientation * Vec3::Y, orientation * Vec3::Z]
 }
 
-/// Bits of the hemispheres that a light has.
+/// Bits of the hemispheres that a light has; all bits for all directions, whatever the projection.
 pub(crate) fn hemispheres(coverage: Coverage) -> u32 {
     match coverage {
-        Coverage::Full => 3,
+        Coverage::Full => u32::MAX,
         Coverage::Hemisphere => 1,
     }
 }
 
 impl View {
     /// Of the item number `number` of a recording, which is number `place` of its batch.
-    pub(crate) fn new(item: &Item, shape: &MapShape, workspace: &Workspace, chunks: u32, number: u32, place: u32) -> Self {
+    pub(crate) fn new(
+        item: &Item,
+        shape: &MapShape,
+        workspace: &Workspace,
+        chunks: u32,
+        number: u32,
+        place: u32,
+    ) -> Self {
         let Item { light, layer, kinds, start } = item;
         let [right, up, forward] = axes(light.orientation);
         let share = workspace.share();
@@ -131,12 +169,14 @@ impl View {
             first_bits: workspace.bits(place),
             record_capacity: share.records,
             job_capacity: share.jobs,
+            first_winner: workspace.winners(place),
+            winner_capacity: share.winners,
             counters: Workspace::counters(number),
             left: 0,
             top: 0,
             layer: *layer,
-            start: *start,
-            padding: [0; 31],
+            flags: start | if share.overflows { OVERFLOWS } else { 0 },
+            padding: [0; 29],
         }
     }
 }

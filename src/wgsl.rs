@@ -1,5 +1,7 @@
 //! The shaders' text: what a renderer pastes into its own, and the complete modules that the library compiles.
 
+use crate::view::Projection;
+
 const PARABOLOID: &str = include_str!("../shaders/paraboloid.wgsl");
 const CASTERS: &str = include_str!("../shaders/casters.wgsl");
 const VIEW: &str = include_str!("../shaders/view.wgsl");
@@ -9,9 +11,13 @@ const TRANSFORM: &str = include_str!("../shaders/transform.wgsl");
 const MASK: &str = include_str!("../shaders/mask.wgsl");
 const MASK_COPY: &str = include_str!("../shaders/mask_copy.wgsl");
 const HEMISPHERE: &str = include_str!("../shaders/hemisphere.wgsl");
-const PROJECTION: &str = include_str!("../shaders/projection.wgsl");
+/// The projection of the maps, with what it takes from the mapping.
+pub(crate) const PARABOLOIDS: &str =
+    concat!(include_str!("../shaders/paraboloid.wgsl"), include_str!("../shaders/projection.wgsl"));
 const TRIANGLE: &str = include_str!("../shaders/triangle.wgsl");
 const TILES: &str = include_str!("../shaders/tiles.wgsl");
+const CHUNK: &str = include_str!("../shaders/chunk.wgsl");
+const NUMBER: &str = include_str!("../shaders/number.wgsl");
 const CULL: &str = include_str!("../shaders/cull.wgsl");
 const RESOLVE: &str = include_str!("../shaders/resolve.wgsl");
 const BIN: &str = include_str!("../shaders/bin.wgsl");
@@ -63,21 +69,25 @@ pub(crate) fn transform_deformed() -> String {
     [CASTERS, TRANSFORM, MASK, DEFORMED].concat()
 }
 
-pub(crate) fn cull() -> String {
-    [PARABOLOID, PROJECTION, CASTERS, VIEW, TRIANGLE, CULL].concat()
+pub(crate) fn cull(projection: Projection) -> String {
+    [projection.text, CASTERS, VIEW, TRIANGLE, CHUNK, CULL].concat()
 }
 
-pub(crate) fn resolve() -> String {
-    [PARABOLOID, PROJECTION, CASTERS, VIEW, TRIANGLE, MASK, RESOLVE].concat()
+pub(crate) fn resolve(projection: Projection) -> String {
+    [projection.text, CASTERS, VIEW, TRIANGLE, CHUNK, MASK, RESOLVE].concat()
 }
 
-pub(crate) fn bin() -> String {
-    [PARABOLOID, PROJECTION, VIEW, TILES, BIN].concat()
+pub(crate) fn number(projection: Projection) -> String {
+    [projection.text, CASTERS, VIEW, TRIANGLE, NUMBER].concat()
+}
+
+pub(crate) fn bin(projection: Projection) -> String {
+    [projection.text, VIEW, TILES, BIN].concat()
 }
 
 /// Each thread takes `quads` quads of a tile.
-pub(crate) fn rasterise(quads: u32) -> String {
-    [PARABOLOID, PROJECTION, VIEW, TILES, &format!("const QUADS: u32 = {quads}u;\n"), RASTERISE].concat()
+pub(crate) fn rasterise(projection: Projection, quads: u32) -> String {
+    [projection.text, VIEW, TILES, &format!("const QUADS: u32 = {quads}u;\n"), RASTERISE].concat()
 }
 
 pub(crate) fn mask_copy() -> String {
@@ -88,16 +98,25 @@ pub(crate) fn mask_copy() -> String {
 /// them with other compilers.
 #[must_use]
 pub fn modules() -> Vec<(&'static str, String)> {
-    vec![
+    let mut modules = vec![
         ("transform", transform()),
         ("transform_deformed", transform_deformed()),
-        ("cull", cull()),
-        ("resolve", resolve()),
-        ("bin", bin()),
-        ("rasterise", rasterise(1)),
-        ("rasterise_software", rasterise(8)),
         ("caster", caster(0)),
         ("mask_copy", mask_copy()),
         ("lookup", lookup(0)),
+    ];
+    modules.extend(maps(Projection::PARABOLOIDS));
+    modules
+}
+
+/// Those that make the maps.
+pub(crate) fn maps(projection: Projection) -> [(&'static str, String); 6] {
+    [
+        ("cull", cull(projection)),
+        ("resolve", resolve(projection)),
+        ("number", number(projection)),
+        ("bin", bin(projection)),
+        ("rasterise", rasterise(projection, 1)),
+        ("rasterise_software", rasterise(projection, 8)),
     ]
 }

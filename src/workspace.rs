@@ -4,7 +4,7 @@ use crate::batch::{MOST_ITEMS, Share, TILE};
 use crate::gpu;
 
 /// Words of an item's counters; twins in `shaders/view.wgsl`.
-const COUNTERS: u32 = 4;
+const COUNTERS: u32 = 8;
 
 /// The most that an item has, for tests.
 #[derive(Debug, Clone, Copy)]
@@ -24,7 +24,8 @@ pub(crate) struct Workspace {
     pub(crate) tiles: wgpu::Buffer,
     pub(crate) tile_lists: wgpu::Buffer,
     pub(crate) records: wgpu::Buffer,
-    pub(crate) jobs: wgpu::Buffer,
+    /// Jobs of the binning, then winners.
+    pub(crate) lists: wgpu::Buffer,
     /// Counters of all items of a recording, then the chunks' bits of a batch.
     pub(crate) state: wgpu::Buffer,
     share: Share,
@@ -38,14 +39,7 @@ pub(crate) struct Workspace {
 
 impl Workspace {
     /// For batches of `items` items, of `counted` in all, and lists of `room` entries a tile.
-    pub(crate) fn new(
-        device: &wgpu::Device,
-        share: Share,
-        room: u32,
-        most: Most,
-        items: u32,
-        counted: u32,
-    ) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, share: Share, room: u32, most: Most, items: u32, counted: u32) -> Self {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         let buffer = |what, words: u32, each: u32| {
             gpu::buffer(device, what, 4 * u64::from(words) * u64::from(each) * u64::from(items), usage)
@@ -57,7 +51,7 @@ impl Workspace {
             tiles: buffer("workspace::tiles", share.tiles, 2),
             tile_lists: buffer("workspace::tile lists", share.tiles, room),
             records: buffer("workspace::records", share.records, 16),
-            jobs: buffer("workspace::jobs", share.jobs, 1),
+            lists: buffer("workspace::lists", share.jobs + share.winners, 1),
             state: gpu::buffer(device, "workspace::state", state, usage),
             share,
             room,
@@ -76,6 +70,7 @@ impl Workspace {
         let fits = share.tiles == self.share.tiles
             && share.records <= self.share.records
             && share.jobs <= self.share.jobs
+            && share.winners <= self.share.winners
             && share.bits <= self.share.bits
             && counted <= self.counted
             && items == self.items;
@@ -110,6 +105,11 @@ impl Workspace {
         COUNTERS * self.counted + self.share.bits * place
     }
 
+    /// Where the item number `place` of a batch has its winners.
+    pub(crate) fn winners(&self, place: u32) -> u32 {
+        self.share.jobs * self.items + self.share.winners * place
+    }
+
     /// Resets the counters of a recording of `items` items.
     pub(crate) fn clear_counters(&self, encoder: &mut wgpu::CommandEncoder, items: u32) {
         encoder.clear_buffer(&self.state, 0, Some(4 * u64::from(COUNTERS) * u64::from(items)));
@@ -124,7 +124,8 @@ impl Workspace {
     }
 
     pub(crate) fn memory(&self) -> u64 {
-        let buffers = [&self.depths, &self.numbers, &self.tiles, &self.tile_lists, &self.records, &self.jobs, &self.state];
+        let buffers =
+            [&self.depths, &self.numbers, &self.tiles, &self.tile_lists, &self.records, &self.lists, &self.state];
         buffers.into_iter().map(wgpu::Buffer::size).sum()
     }
 }

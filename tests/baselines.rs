@@ -1,16 +1,18 @@
 //! The methods that the library is measured against have to be right, and as good as they can be.
 
+use bytemuck::Pod;
 use dual_paraboloid::compare::baselines::{
-    Baseline, BaselineError, Bias, Budget, DeviceScene, Lookup, Method, SceneBuffers,
+    Baseline, BaselineError, Bias, Budget, CubeCompute, DeviceScene, Lookup, Method, SceneBuffers,
 };
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::lookup_cost::{Kernel, LookupBench, PassStage, Question};
 use dual_paraboloid::compare::measure::{Judge, Truth, choose_light};
 use dual_paraboloid::compare::procedural::{self, shapes};
+use dual_paraboloid::compare::reference::Reference;
 use dual_paraboloid::compare::scene::{Material, Scene, SceneInstance, SceneMesh};
 use dual_paraboloid::compare::shot::Shot;
 use dual_paraboloid::compare::timing::{Rounds, Timer};
-use dual_paraboloid::{Error, PointLight, Sides};
+use dual_paraboloid::{Coverage, Error, PointLight, Sides, Tuning, Workgroups};
 use glam::{Affine3A, Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -23,10 +25,15 @@ fn gpu() -> &'static Gpu {
     GPU.get_or_init(|| Gpu::new(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// The cubes that every device can make, with texels of four bytes. `tests/device_features` has the others.
+/// The cubes that the hardware draws on every device, with texels of four bytes. `tests/device_features` has the others.
 fn cubes() -> Vec<Method> {
     let others = [Method::Cube16, Method::CubeMultiview, Method::CubeCompute];
     Method::ALL.into_iter().filter(|method| method.is_cube() && !others.contains(method)).collect()
+}
+
+/// Those and the one that is rasterised in compute.
+fn all_cubes() -> Vec<Method> {
+    [cubes(), vec![Method::CubeCompute]].concat()
 }
 
 /// A method's map of a scene, recorded once.
@@ -45,9 +52,12 @@ fn record(baseline: &mut Baseline, scene: &mut DeviceScene, light: &PointLight) 
 
 /// All layers of a method's map, one after the other.
 fn depths(method: Method, resolution: u32, scene: &mut DeviceScene, light: &PointLight) -> Vec<f32> {
-    let baseline = recorded(method, resolution, scene, light);
-    let layers = 0..baseline.map().depth_or_array_layers();
-    layers.flat_map(|layer| gpu().read_texture::<f32>(baseline.map(), layer)).collect()
+    layers(recorded(method, resolution, scene, light).map())
+}
+
+/// All layers of a texture, one after the other.
+fn layers<T: Pod>(texture: &wgpu::Texture) -> Vec<T> {
+    (0..texture.depth_or_array_layers()).flat_map(|layer| gpu().read_texture(texture, layer)).collect()
 }
 
 fn on_device(scene: &Scene, sides: Sides) -> DeviceScene {
@@ -102,7 +112,7 @@ fn cubes_inside_a_box() {
 
 fn check_box(low: Vec3, high: Vec3, light: PointLight) {
     let resolution = 128;
-    for (method, sides) in cubes().into_iter().flat_map(|m| [(m, Sides::Both), (m, Sides::Front)]) {
+    for (method, sides) in all_cubes().into_iter().flat_map(|m| [(m, Sides::Both), (m, Sides::Front)]) {
         let mut scene = on_device(&room(low, high), sides);
         let depths = depths(method, resolution, &mut scene, &light);
         let size = resolution as usize;
@@ -112,8 +122,9 @@ fn check_box(low: Vec3, high: Vec3, light: PointLight) {
             let d = light.orientation * d;
             let wall = Vec3::select(d.cmpgt(Vec3::ZERO), high, low) - light.position;
             let expected = light.near / (wall / d).min_element();
-            // Within the rasteriser's snapping of corners to 1/256 texel.
-            let allowed = 1e-5 + 0.02 / resolution as f32;
+            // The hardware's rasteriser snaps corners to 1/256 texel.
+            let snapping = if method == Method::CubeCompute { 0.0 } else { 0.02 / resolution as f32 };
+            let allowed = 1e-5 + snapping;
             assert!(
                 (depth / expected - 1.0).abs() < allowed,
                 "{method}, {sides:?}, face {face}, texel {column} {row}: {depth}, not {expected}"
@@ -229,11 +240,82 @@ fn instances_may_be_turned_and_mirrored() {
     assert!(differing(&both, &front, 1e-3) < both.len() / 1000);
 }
 
+/// What rays through the texels' centres meet, as depth.
+fn ray_cast(scene: &Scene, light: &PointLight, resolution: u32) -> Vec<f64> {
+    let reference = Reference::new(&scene.world_triangles().corners, None, light.position.as_dvec3());
+    let size = resolution as usize;
+    let depth = |index: usize| {
+        let (face, row, column) = (index / (size * size), index / size % size, index % size);
+        let d = light.orientation.as_dquat() * direction(face, column, row, resolution).as_dvec3();
+        let hit = reference.nearest(d.normalize(), f64::from(light.near) * d.length());
+        hit.map_or(0.0, |hit| f64::from(light.near) * d.length() / hit.t)
+    };
+    (0..6 * size * size).map(depth).collect()
+}
+
+/// Ways to share triangles out between what is drawn at once and what the tiles draw.
+fn tunings() -> Vec<Tuning> {
+    let own = Tuning::of(&gpu().device);
+    let other = if own.workgroups == Workgroups::Gpu { Workgroups::Software } else { Workgroups::Gpu };
+    vec![
+        own,
+        Tuning { small: Some(100_000), ..own },
+        Tuning { small: Some(0), ..own },
+        Tuning { small: Some(0), records: Some(1), ..own },
+        Tuning { small: Some(0), room: 1, ..own },
+        Tuning { reject: false, ..own },
+        Tuning { workgroups: other, ..own },
+        Tuning { workgroups: other, small: Some(0), ..own },
+    ]
+}
+
+#[test]
+fn the_computed_cube_is_what_rays_meet() {
+    let orientation = Quat::from_euler(glam::EulerRot::XYZ, 0.5, -0.9, 2.0);
+    let lights = [wide_light(), PointLight { orientation, coverage: Coverage::Hemisphere, ..wide_light() }];
+    for (scene, light) in [random_scene(4000), procedural::many_small(300)].iter().flat_map(|s| lights.map(|l| (s, l)))
+    {
+        let resolution = 100;
+        let expected = ray_cast(scene, &light, resolution);
+        let mut casters = on_device(scene, Sides::Auto).chunked;
+        let mut first: Option<(Vec<f32>, Vec<u32>)> = None;
+        for tuning in tunings() {
+            let mut cube = CubeCompute::tuned(&gpu().device, resolution, &tuning).unwrap();
+            let recorded = gpu().submit(|to| cube.record(&gpu().device, &gpu().queue, to, &mut casters, &light));
+            recorded.unwrap();
+            let (depths, numbers) = (layers::<f32>(cube.map()), layers::<u32>(cube.numbers()));
+            let is_wrong =
+                |(depth, expected): &(&f32, &f64)| (f64::from(**depth) - **expected).abs() > 1e-5 * **expected;
+            let wrong = depths.iter().zip(&expected).filter(is_wrong).count();
+            // Rounding decides on the edges.
+            assert!(wrong <= 3, "{tuning:?}: {wrong} of {} texels", depths.len());
+            assert!(depths.iter().zip(&numbers).all(|(depth, number)| (*depth > 0.0) == (*number != u32::MAX)));
+            let (first_depths, first_numbers) = first.get_or_insert_with(|| (depths.clone(), numbers.clone()));
+            assert_eq!(differing(&depths, first_depths, 1e-5), 0, "{tuning:?}");
+            // On a shared edge rounding decides.
+            let renumbered = numbers.iter().zip(first_numbers).filter(|(a, b)| a != b).count();
+            assert!(renumbered <= 5, "{tuning:?}: {renumbered} of {} texels", numbers.len());
+        }
+    }
+}
+
+#[test]
+fn the_computed_cube_is_the_hardware_s() {
+    for scene in [random_scene(20_000), baked(&procedural::many_small(400))] {
+        let mut scene = on_device(&scene, Sides::Both);
+        let drawn = depths(Method::Cube, 333, &mut scene, &wide_light());
+        let computed = depths(Method::CubeCompute, 333, &mut scene, &wide_light());
+        // The hardware snaps corners, so that an edge may fall to the other side of a texel's centre.
+        let differing = differing(&drawn, &computed, 1e-2);
+        assert!(differing < drawn.len() / 500, "{differing} of {} texels", drawn.len());
+    }
+}
+
 #[test]
 fn casters_out_of_range_are_culled() {
     let mut far = on_device(&room(Vec3::splat(-9.0), Vec3::splat(9.0)), Sides::Both);
     let light = PointLight { range: 5.0, ..Default::default() };
-    for method in cubes() {
+    for method in all_cubes() {
         let is_empty = depths(method, 32, &mut far, &light).iter().all(|depth| *depth == 0.0);
         assert_eq!(is_empty, method != Method::CubeUnculled, "{method}");
     }
@@ -242,7 +324,7 @@ fn casters_out_of_range_are_culled() {
 #[test]
 fn nothing_to_draw() {
     let mut scene = on_device(&Scene::default(), Sides::Both);
-    for method in cubes().into_iter().chain([Method::VertexWarp, Method::DepthView]) {
+    for method in all_cubes().into_iter().chain([Method::VertexWarp, Method::DepthView]) {
         let depths = depths(method, 16, &mut scene, &PointLight::default());
         assert!(depths.iter().all(|depth| *depth == 0.0), "{method}");
     }
@@ -286,7 +368,7 @@ fn lookups_know_light_from_shadow() {
     let (dark, mut lit) = (ring(0.0, 0.85, 500), ring(1.4, 9.0, 3000));
     // Behind the ball, but out of range.
     lit.push((Vec3::Y * -27.0, Vec3::Y));
-    let methods = cubes().into_iter().chain([Method::VertexWarp, Method::Paraboloid]);
+    let methods = all_cubes().into_iter().chain([Method::VertexWarp, Method::Paraboloid]);
     for (method, sides) in methods.flat_map(|m| [(m, Sides::Both), (m, Sides::Front)]) {
         let mut scene = on_device(&scene, sides);
         let mut baseline = Baseline::new(&gpu().device, method, 512).unwrap();
@@ -339,7 +421,7 @@ fn every_recording_starts_anew() {
     let (scene, light) = floor_and_ball();
     let mut scene = on_device(&scene, Sides::Both);
     let elsewhere = PointLight { position: light.position + Vec3::X, ..light };
-    for method in cubes().into_iter().chain([Method::VertexWarp, Method::Paraboloid]) {
+    for method in all_cubes().into_iter().chain([Method::VertexWarp, Method::Paraboloid]) {
         let mut baseline = Baseline::new(&gpu().device, method, 64).unwrap();
         let mut map = |light: &PointLight| -> Vec<f32> {
             record(&mut baseline, &mut scene, light);
@@ -361,7 +443,7 @@ fn a_turned_light_over_a_turned_scene_makes_the_same_map() {
     let light = PointLight { position: Vec3::new(0.3, 1.2, -0.4), range: 40.0, ..Default::default() };
     let turned_light = PointLight { position: turn * light.position, orientation: turn, ..light };
     let (mut scene, mut turned) = (on_device(&scene, Sides::Both), on_device(&turned, Sides::Both));
-    for method in cubes() {
+    for method in all_cubes() {
         let as_it_was = depths(method, 128, &mut scene, &light);
         let both = depths(method, 128, &mut turned, &turned_light);
         // Corners are rounded elsewhere, so that an edge may fall to the other side of a texel's centre.
@@ -466,12 +548,13 @@ fn bytes_of_each_method() {
         (Method::Cube, 6 * 256 * 4, Some(6 * 256 + 1024 + 96)),
         (Method::Cube16, 6 * 256 * 2, Some(6 * 256 + 1024 + 96)),
         (Method::DepthView, 2 * 256 * 4, Some(256 + 1024)),
-        (Method::Paraboloid, 2 * 256 * 4, None),
+        (Method::Paraboloid, 2 * 256 * 8, None),
+        (Method::CubeCompute, 6 * 256 * 8, None),
         (Method::CubeRouted, 6 * 256 * 4, None),
     ] {
         let baseline = recorded(method, resolution, &mut scene, &wide_light());
         assert_eq!(baseline.bytes_per_light(), per_light, "{method}");
-        let reads_casters = matches!(method, Method::Paraboloid | Method::CubeRouted);
+        let reads_casters = matches!(method, Method::Paraboloid | Method::CubeRouted | Method::CubeCompute);
         let own_scene = if reads_casters { scene.chunked.memory() } else { 0 };
         assert_eq!(baseline.bytes_scene(&scene), own_scene, "{method}");
         if let Some(workspace) = workspace {
@@ -484,10 +567,11 @@ fn bytes_of_each_method() {
 
 #[test]
 fn what_is_left_out_says_why() {
-    assert!(!Method::CubeCompute.is_available(gpu()) && Method::Cube.left_out(gpu()).is_none());
-    let error = Baseline::new(&gpu().device, Method::CubeCompute, 64).unwrap_err().to_string();
-    assert_eq!(error, "cube-compute is left out: the exact rasteriser on six faces comes with the exact maps");
-    assert!(error.ends_with(Method::CubeCompute.left_out(gpu()).unwrap()));
+    assert!(!Method::CubeMultiview.is_available(gpu()) && Method::Cube.left_out(gpu()).is_none());
+    let error = Baseline::new(&gpu().device, Method::CubeMultiview, 64).unwrap_err().to_string();
+    let reason = "it needs a device with multiview over six layers, requested with wgpu::Features::MULTIVIEW";
+    assert_eq!(error, format!("cube-multiview is left out: {reason}"));
+    assert_eq!(Method::CubeMultiview.left_out(gpu()), Some(reason));
 }
 
 #[test]

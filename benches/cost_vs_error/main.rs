@@ -63,14 +63,23 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     eprintln!("{} scenes on {} (times: {})", names.len(), gpu.name(), timer.clock());
     let bar = progress(names.len() * arguments.rules.len() * arguments.resolution.len());
     let bench = Bench { arguments, gpu: &gpu, timer: &timer, plan, bar };
+    let mut written = Vec::new();
     for name in &names {
         bench.measure(name, &mut figures)?;
+        // What ends early leaves the scenes that it got to.
+        if !figures.scenes.is_empty() {
+            written = write(arguments, &figures)?;
+        }
     }
     bench.bar.finish_and_clear();
     if figures.scenes.is_empty() {
         bail!("nothing could be measured: {}", figures.left_out.join("; "));
     }
-    write(arguments, &figures)
+    println!("{}", report::summary(&figures));
+    if let Some(folder) = &arguments.out {
+        println!("written to {}: {}", folder.display(), written.join(", "));
+    }
+    Ok(())
 }
 
 /// What is measured at each resolution, and which methods the device can't do.
@@ -195,20 +204,17 @@ fn progress(steps: usize) -> ProgressBar {
     bar
 }
 
-/// Prints the summary, and writes what was asked for.
-fn write(arguments: &Arguments, figures: &Figures) -> anyhow::Result<()> {
-    let summary = report::summary(figures);
-    println!("{summary}");
+/// Writes what was asked for, and returns the names of the files in the folder.
+fn write(arguments: &Arguments, figures: &Figures) -> anyhow::Result<Vec<String>> {
     if let Some(path) = &arguments.json {
         write_file(path, &format!("{:#}\n", figures.to_json()))?;
     }
-    if let Some(folder) = &arguments.out {
-        let pictures = pictures::write_all(folder, figures)?;
-        let links: String = pictures.iter().map(|name| format!("\n![{name}]({name})\n")).collect();
-        write_file(&folder.join("report.md"), &format!("{summary}{links}{}", report::details(figures)))?;
-        println!("written to {}: report.md, {}", folder.display(), pictures.join(", "));
-    }
-    Ok(())
+    let Some(folder) = &arguments.out else { return Ok(Vec::new()) };
+    let pictures = pictures::write_all(folder, figures)?;
+    let links: String = pictures.iter().map(|name| format!("\n![{name}]({name})\n")).collect();
+    let text = format!("{}{links}{}", report::summary(figures), report::details(figures));
+    write_file(&folder.join("report.md"), &text)?;
+    Ok(["report.md".to_owned()].into_iter().chain(pictures).collect())
 }
 
 fn write_file(path: &Path, text: &str) -> anyhow::Result<()> {

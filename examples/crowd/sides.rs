@@ -29,8 +29,7 @@ pub enum Way {
 }
 
 impl Way {
-    pub const ALL: [Self; 7] =
-        [Self::Casters, Self::Cull, Self::Bin, Self::All, Self::Kept, Self::Still, Self::Cube];
+    pub const ALL: [Self; 7] = [Self::Casters, Self::Cull, Self::Bin, Self::All, Self::Kept, Self::Still, Self::Cube];
 }
 
 /// Casters and maps of both sides.
@@ -129,11 +128,15 @@ impl BothSides {
             return Ok(());
         }
         let shadows = &mut self.shadows[usize::from(way == Way::Kept)];
-        shadows.stop_after(device, queue, match way {
-            Way::Cull => Stage::Cull,
-            Way::Bin => Stage::Bin,
-            _ => Stage::Rasterise,
-        });
+        shadows.stop_after(
+            device,
+            queue,
+            match way {
+                Way::Cull => Stage::Cull,
+                Way::Bin => Stage::Bin,
+                _ => Stage::Rasterise,
+            },
+        );
         let most = (way == Way::Casters).then_some(0);
         let options = RecordOptions { most, ..Default::default() };
         shadows.record_with(device, queue, encoder, &mut self.casters, options).context("recording the maps")?;

@@ -69,7 +69,7 @@ pub struct Entry {
 
 impl Entry {
     pub fn name(self) -> &'static str {
-        if self.lookup == Some(Lookup::CubePlane) { "cube-plane" } else { self.method.name() }
+        if self.is_cube_plane() { "cube-plane" } else { self.method.name() }
     }
 
     /// The lookup that is judged: `paraboloid` has the one of the light's filter.
@@ -79,7 +79,11 @@ impl Entry {
 
     /// Whether it has a time of its own; that of `cube-plane` is the time of `cube`.
     pub fn is_timed(self) -> bool {
-        self.lookup != Some(Lookup::CubePlane)
+        !self.is_cube_plane()
+    }
+
+    fn is_cube_plane(self) -> bool {
+        self.method == Method::Cube && self.lookup == Some(Lookup::CubePlane)
     }
 
     /// Texels across one square of its map.

@@ -2,7 +2,6 @@
 
 use crate::figures::Measured;
 use anyhow::anyhow;
-use dual_paraboloid::compare::baselines::Method;
 use dual_paraboloid::compare::text::grouped;
 use dual_paraboloid::compare::timing::{Summary, milliseconds};
 use serde_json::{Value, json};

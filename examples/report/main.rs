@@ -66,17 +66,6 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let bar = ProgressBar::new((names.len() * arguments.resolution.len()) as u64);
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.enable_steady_tick(Duration::from_millis(200));
-    let mut all: Vec<Measured> = Vec::new();
-    for name in &names {
-        bar.set_message(format!("{name}: the truth"));
-        let mut subject = Subject::new(&gpu, name, arguments)?;
-        for &resolution in &arguments.resolution {
-            bar.set_message(format!("{} at {resolution}", subject.name()));
-            all.push(subject.measure(&gpu, resolution)?);
-            bar.inc(1);
-        }
-    }
-    bar.finish_and_clear();
     let conditions = format!(
         "Errors on {}, {} samples and a camera of {}x{} pixels a scene, {} random orientations, seed {}.",
         gpu.name(),
@@ -86,12 +75,24 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         arguments.orientations,
         arguments.seed
     );
-    let text = format!("# Errors\n\n{conditions}\n{}", tables::all(&all));
+    let (mut all, mut text): (Vec<Measured>, String) = (Vec::new(), String::new());
+    for name in &names {
+        bar.set_message(format!("{name}: the truth"));
+        let mut subject = Subject::new(&gpu, name, arguments)?;
+        for &resolution in &arguments.resolution {
+            bar.set_message(format!("{} at {resolution}", subject.name()));
+            all.push(subject.measure(&gpu, resolution)?);
+            bar.inc(1);
+        }
+        text = format!("# Errors\n\n{conditions}\n{}", tables::all(&all));
+        // What ends early leaves the scenes that it got to.
+        if let Some(path) = &arguments.output {
+            std::fs::write(path, &text).with_context(|| format!("can't write {}", path.display()))?;
+        }
+    }
+    bar.finish_and_clear();
     println!("{text}");
-    arguments
-        .output
-        .as_ref()
-        .map_or(Ok(()), |path| std::fs::write(path, &text).with_context(|| format!("can't write {}", path.display())))
+    Ok(())
 }
 
 /// The scenes that are wanted; without any, all files after those made in code.

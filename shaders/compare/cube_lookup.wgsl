@@ -1,6 +1,6 @@
 // Lookups in a cube of depth maps, to set against the pair's: as engines have it, with a fitted bias or the shipped one, and
 // with the votes of shaders/lookup.wgsl. The faces lie along light space's axes. A guard band around each face holds all
-// texels that bilinear filtering of the face's own directions takes.
+// texels that bilinear filtering of the face's own directions takes. Goes with cube_face.wgsl.
 
 // Twin of `CubeRecord` in src/compare/baselines/cube_lookup.rs.
 struct CubeLight {
@@ -29,7 +29,7 @@ struct CubeLight {
 }
 
 @group(CUBE_GROUP) @binding(0) var cube_map: texture_depth_cube;
-@group(CUBE_GROUP) @binding(1) var cube_faces: texture_depth_2d_array;
+@group(CUBE_GROUP) @binding(1) var cube_faces: texture_2d_array<f32>;
 @group(CUBE_GROUP) @binding(2) var cube_comparison: sampler_comparison;
 @group(CUBE_GROUP) @binding(3) var cube_sampler: sampler;
 @group(CUBE_GROUP) @binding(4) var<storage, read> cube_light: CubeLight;
@@ -112,30 +112,6 @@ fn cube_shadow_shipped(position: vec3<f32>, normal: vec3<f32>) -> f32 {
     return cube_shadow_biased(position, normal, CUBE_SHIPPED_DEPTH_BIAS, CUBE_SHIPPED_NORMAL_BIAS);
 }
 
-// Number of the face that a direction lies in.
-fn cube_face(v: vec3<f32>) -> u32 {
-    let a = abs(v);
-    if a.x >= max(a.y, a.z) {
-        return select(0u, 1u, v.x < 0.0);
-    }
-    if a.y >= a.z {
-        return select(2u, 3u, v.y < 0.0);
-    }
-    return select(4u, 5u, v.z < 0.0);
-}
-
-// A vector of light space by a face's axes: right, up, forward.
-fn cube_to_face(v: vec3<f32>, face: u32) -> vec3<f32> {
-    let s = select(1.0, -1.0, (face & 1u) != 0u);
-    if face < 2u {
-        return vec3<f32>(-s * v.z, v.y, s * v.x);
-    }
-    if face < 4u {
-        return vec3<f32>(v.x, -s * v.z, s * v.y);
-    }
-    return vec3<f32>(s * v.x, v.y, s * v.z);
-}
-
 // Share of the light that reaches `position`: four texels, each held against the receiver's plane at its own centre,
 // and their votes weighted bilinearly, as `dp_shadow` does. For cubes whose depth has no offset.
 fn cube_shadow_plane(position: vec3<f32>, normal: vec3<f32>) -> f32 {
@@ -152,7 +128,7 @@ fn cube_shadow_plane(position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let at = 0.5 * resolution + p * vec2<f32>(1.0, -1.0) / texel - 0.5;
     let base = floor(at);
     let f = at - base;
-    let stored = textureGather(cube_faces, cube_sampler, (base + 1.0) / resolution, face);
+    let stored = textureGather(0, cube_faces, cube_sampler, (base + 1.0) / resolution, face);
     let low = (base + 0.5 - 0.5 * resolution) * vec2<f32>(texel, -texel);
     let high = low + vec2<f32>(texel, -texel);
     let here = dot(n, vec3<f32>(p, 1.0));

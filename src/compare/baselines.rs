@@ -1,9 +1,10 @@
 //! Other ways to make a point light's shadow map, to measure this library against.
 //!
-//! All draw to reversed depth, cleared to 0 and of four bytes but for [`Method::Cube16`], from the same casters, and
-//! record everything from scratch each time. Those that draw as engines do take meshes in their own space and a transform for each instance.
+//! All make reversed depth, cleared to 0 and of four bytes but for [`Method::Cube16`], from the same casters, and record
+//! everything from scratch each time. Those that draw as engines do take meshes in their own space and a transform for each instance.
 
 mod cube;
+mod cube_compute;
 mod cube_lookup;
 mod cube_map;
 mod cube_routed;
@@ -12,11 +13,12 @@ mod depth_view;
 mod instanced;
 mod lookup;
 mod method;
-mod pair;
+mod own_maps;
 mod scene_buffers;
 mod vertex_warp;
 
 pub use cube::{Cube, CubeMultiview, Culling};
+pub use cube_compute::CubeCompute;
 pub use cube_map::CubeDepth;
 pub use cube_routed::CubeRouted;
 pub use depth_view::DepthView;
@@ -31,8 +33,8 @@ use super::scene::Scene;
 use crate::{Casters, Error, PointLight, PointShadows, Sides, Stage};
 use glam::Vec3;
 use instanced::PassKind;
-use method::{NO_CUBE_COMPUTE, NO_MULTIVIEW};
-use pair::Pair;
+use method::NO_MULTIVIEW;
+use own_maps::OwnMaps;
 
 /// A scene's casters in both forms that the methods draw from.
 #[derive(Debug)]
@@ -92,11 +94,12 @@ pub struct Baseline {
 
 #[derive(Debug)]
 enum Kind {
-    Pair(Box<Pair>),
+    Pair(Box<OwnMaps>),
     VertexWarp(VertexWarp),
     Cube(Cube),
     CubeRouted(CubeRouted),
     CubeMultiview(CubeMultiview),
+    CubeCompute(Box<CubeCompute>),
     DepthView(DepthView),
 }
 
@@ -128,6 +131,7 @@ impl Baseline {
             Kind::Cube(cube) => cube.lookup_mut().set_bias(queue, lookup, bias),
             Kind::CubeRouted(cube) => cube.lookup_mut().set_bias(queue, lookup, bias),
             Kind::CubeMultiview(cube) => cube.lookup_mut().set_bias(queue, lookup, bias),
+            Kind::CubeCompute(cube) => cube.lookup_mut().set_bias(queue, lookup, bias),
             Kind::Pair(_) | Kind::VertexWarp(_) | Kind::DepthView(_) => {}
         }
     }
@@ -160,6 +164,7 @@ impl Baseline {
             Kind::Cube(cube) => cube.record(device, queue, encoder, instanced, light),
             Kind::CubeRouted(cube) => cube.record(device, queue, encoder, &mut scene.chunked, light),
             Kind::CubeMultiview(cube) => cube.record(device, queue, encoder, instanced, light),
+            Kind::CubeCompute(cube) => cube.record(device, queue, encoder, &mut scene.chunked, light)?,
             Kind::DepthView(view) => view.record(device, queue, encoder, instanced),
         }
         Ok(())
@@ -174,6 +179,7 @@ impl Baseline {
             Kind::Cube(cube) => cube.map(),
             Kind::CubeRouted(cube) => cube.map(),
             Kind::CubeMultiview(cube) => cube.map(),
+            Kind::CubeCompute(cube) => cube.map(),
             Kind::DepthView(view) => view.map(),
         }
     }
@@ -197,7 +203,7 @@ impl Baseline {
     #[must_use]
     pub fn bytes_scene(&self, scene: &DeviceScene) -> u64 {
         match &self.kind {
-            Kind::Pair(_) | Kind::CubeRouted(_) => scene.chunked.memory(),
+            Kind::Pair(_) | Kind::CubeRouted(_) | Kind::CubeCompute(_) => scene.chunked.memory(),
             Kind::VertexWarp(_) | Kind::Cube(_) | Kind::CubeMultiview(_) | Kind::DepthView(_) => 0,
         }
     }
@@ -213,6 +219,7 @@ impl Baseline {
             Kind::Cube(cube) => cube.working_memory(),
             Kind::CubeRouted(cube) => cube.working_memory(),
             Kind::CubeMultiview(cube) => cube.working_memory(),
+            Kind::CubeCompute(cube) => cube.memory() - self.bytes_per_light(),
             Kind::DepthView(view) => view.working_memory(),
         }
     }
@@ -232,10 +239,13 @@ impl Baseline {
         }
     }
 
-    /// Records the library's stages up to this one only, if this is [`Method::Paraboloid`]; else does nothing.
+    /// Records the library's stages up to this one only, if this is [`Method::Paraboloid`] or [`Method::CubeCompute`]; else
+    /// does nothing.
     pub fn stop_after(&mut self, gpu: &Gpu, stage: Stage) {
-        if let Kind::Pair(pair) = &mut self.kind {
-            pair.stop_after(gpu, stage);
+        match &mut self.kind {
+            Kind::Pair(maps) => maps.stop_after(gpu, stage),
+            Kind::CubeCompute(cube) => cube.maps_mut().stop_after(gpu, stage),
+            _ => {}
         }
     }
 
@@ -248,6 +258,7 @@ impl Baseline {
             Kind::Cube(cube) => Some(cube.lookup().bind_group()),
             Kind::CubeRouted(cube) => Some(cube.lookup().bind_group()),
             Kind::CubeMultiview(cube) => Some(cube.lookup().bind_group()),
+            Kind::CubeCompute(cube) => Some(cube.lookup().bind_group()),
             Kind::DepthView(_) => None,
         }
     }
@@ -281,7 +292,7 @@ impl Kind {
         let unsupported = |reason| BaselineError::Unsupported { method, reason };
         let cube = |culling, depth| Self::Cube(Cube::new(device, resolution, culling, depth));
         Ok(match method {
-            Method::Paraboloid => Self::Pair(Box::new(Pair::new(device, resolution)?)),
+            Method::Paraboloid => Self::Pair(Box::new(OwnMaps::pair(device, resolution)?)),
             Method::VertexWarp => Self::VertexWarp(VertexWarp::new(device, resolution)),
             Method::Cube => cube(Culling::Frustum, CubeDepth::Float32),
             Method::CubeUnculled => cube(Culling::None, CubeDepth::Float32),
@@ -290,7 +301,7 @@ impl Kind {
             Method::CubeMultiview => {
                 Self::CubeMultiview(CubeMultiview::new(device, resolution).ok_or(unsupported(NO_MULTIVIEW))?)
             }
-            Method::CubeCompute => return Err(unsupported(NO_CUBE_COMPUTE)),
+            Method::CubeCompute => Self::CubeCompute(Box::new(CubeCompute::new(device, resolution)?)),
             Method::DepthView => Self::DepthView(DepthView::new(device, resolution)),
         })
     }
@@ -307,7 +318,8 @@ pub fn modules() -> Vec<(String, String)> {
         ("cube_route", route),
         ("cube_routed", faces),
     ];
-    modules.into_iter().map(|(name, text)| (format!("compare_{name}"), text)).collect()
+    let modules = modules.into_iter().map(|(name, text)| (name.to_owned(), text)).chain(cube_compute::modules());
+    modules.map(|(name, text)| (format!("compare_{name}"), text)).collect()
 }
 
 /// Two squares of depth side by side.

@@ -187,8 +187,8 @@ pub struct Stages {
     #[serde(rename = "ms_cull", serialize_with = "as_milliseconds")]
     pub cull: Duration,
     /// Numbering texels.
-    #[serde(rename = "ms_resolve", serialize_with = "as_milliseconds")]
-    pub resolve: Duration,
+    #[serde(rename = "ms_number", serialize_with = "as_milliseconds")]
+    pub number: Duration,
     /// Which tiles large triangles touch.
     #[serde(rename = "ms_bin", serialize_with = "as_milliseconds")]
     pub bin: Duration,
@@ -201,7 +201,7 @@ impl Stages {
     /// In their order.
     #[must_use]
     pub fn times(&self) -> [Duration; 4] {
-        [self.cull, self.resolve, self.bin, self.rasterise]
+        [self.cull, self.number, self.bin, self.rasterise]
     }
 }
 

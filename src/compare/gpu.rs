@@ -312,7 +312,7 @@ impl Gpu {
         let (state, items) = shadows.counters();
         let words: Vec<u32> = self.read(state);
         let mut sum = Statistics::default();
-        for item in words.chunks_exact(4).take(items) {
+        for item in words.chunks_exact(8).take(items) {
             sum.large += item[0];
             sum.jobs += item[1];
         }

@@ -372,7 +372,8 @@ mod tests {
     /// Asks around a texel of the front map, with a surface square to the ray: `stored` gives the depth by the ray's
     /// direction, the dark texel and the one that is read, `expected` the answer by the dark texel's bilinear weight.
     fn for_one_dark_texel(stored: impl Fn(DVec3, usize, usize) -> f64, expected: impl Fn(f64) -> f64) {
-        let lookup = Lookup { view: view(DVec3::ZERO, DQuat::IDENTITY), geometry: GEOMETRY, bias: 0.1, normal_bias: 0.0 };
+        let lookup =
+            Lookup { view: view(DVec3::ZERO, DQuat::IDENTITY), geometry: GEOMETRY, bias: 0.1, normal_bias: 0.0 };
         let (i, j) = (40, 70);
         let dark = GEOMETRY.index(false, i, j);
         for (x, y) in [(0.0, 0.0), (0.25, 0.5), (-0.75, 0.1), (0.9, -0.9), (-0.3, -0.4), (1.1, 0.0)] {

@@ -17,7 +17,7 @@ use super::error_figures::{
 };
 use super::fill;
 use super::gpu::Gpu;
-use super::ideal::{BIAS, NORMAL_BIAS, IdealMap, Lookup, MapGeometry, ideal_map};
+use super::ideal::{BIAS, IdealMap, Lookup, MapGeometry, NORMAL_BIAS, ideal_map};
 use super::reference::{self, Reference, View};
 use super::scene::Scene;
 use super::votes_v1::VotesV1;
@@ -32,7 +32,8 @@ pub struct Truth {
     pub view: View,
     /// The scene's triangles, for rays.
     pub reference: Arc<Reference>,
-    /// Where shadows are asked for: on surfaces that a renderer lights, grazing ones among them ([`sample_receivers`]).
+    /// Where shadows are asked for: on surfaces that a renderer lights, but for the insides of closed pieces that the
+    /// light is outside of, which no one sees; grazing ones among them ([`sample_receivers`] has the definition).
     /// The figures are of those that count ([`Receiver::counts`]), unless they say otherwise.
     pub receivers: Vec<Receiver>,
     /// Whether the light reaches each receiver.
@@ -208,6 +209,7 @@ fn reference(scene: &Scene, light: DVec3, sides: reference::Sides) -> Reference 
     Reference::new(&all.corners, sides.as_deref(), light)
         .with_cut_outs(scene.cut_outs(&all))
         .with_double_sided(scene.double_sided(&all))
+        .with_closed_pieces(&scene.closed_pieces(&all))
 }
 
 /// A light's maps of a scene, made by the library.
@@ -288,8 +290,8 @@ pub fn light_for(scene: &Scene, position: Vec3) -> PointLight {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::procedural::shapes::quad;
-    use crate::compare::scene::{Material, SceneInstance};
+    use crate::compare::procedural::shapes::{append, cuboid, quad, torus};
+    use crate::compare::scene::{Alpha, Material, SceneInstance, SceneMesh};
     use glam::Affine3A;
 
     /// A floor that faces a lamp above, and a sheet between them, from the lamp's side or from behind.
@@ -326,6 +328,100 @@ mod tests {
                 let on_sheet = share(&truth, |receiver| truth.receivers[receiver].triangle >= 2);
                 assert_eq!(on_sheet > 0.1, faces || double_sided, "{mirror} {faces} {double_sided} {sides:?}");
             }
+        }
+    }
+
+    /// Inside out, by the order of the corners.
+    fn turned_over(mesh: &SceneMesh) -> SceneMesh {
+        let indices = mesh.indices.chunks_exact(3).flat_map(|corners| [corners[0], corners[2], corners[1]]);
+        SceneMesh { indices: indices.collect(), ..mesh.clone() }
+    }
+
+    /// The truth of a mesh in a place, in the light of a lamp.
+    fn truth_of(mesh: &SceneMesh, transform: Affine3A, material: Material, lamp: Vec3) -> Truth {
+        let scene = Scene {
+            meshes: vec![SceneMesh { tex_coords: Some(vec![[0.5; 2]; mesh.positions.len()]), ..mesh.clone() }],
+            instances: vec![SceneInstance { mesh: 0, transform }],
+            materials: vec![material],
+            images: vec![image::RgbaImage::from_pixel(1, 1, image::Rgba([255; 4]))],
+            ..Scene::default()
+        };
+        let light = PointLight { position: lamp, range: 100.0, near: 1e-3, ..Default::default() };
+        Truth::new(&scene, &light, 1000, 1)
+    }
+
+    /// The faces, of two triangles each, that have receivers.
+    fn faces_with_receivers(mesh: &SceneMesh, material: Material, lamp: Vec3) -> Vec<u32> {
+        let truth = truth_of(mesh, Affine3A::IDENTITY, material, lamp);
+        let mut faces: Vec<u32> = truth.receivers.iter().map(|receiver| receiver.triangle / 2).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        faces
+    }
+
+    fn double_sided() -> Material {
+        Material { double_sided: true, ..Material::default() }
+    }
+
+    /// Faces of a cuboid: -x, +x, -y, +y, -z, +z.
+    #[test]
+    fn insides_of_closed_pieces_count_only_around_the_light() {
+        let cube = cuboid(Vec3::NEG_ONE, Vec3::ONE);
+        let inside_out = turned_over(&cube);
+        let (above, aslant, within) = (3.0 * Vec3::Y, Vec3::new(3.0, 3.0, 0.0), 0.5 * Vec3::X);
+        for closed in [&cube, &inside_out] {
+            assert_eq!(faces_with_receivers(closed, double_sided(), above), [3]);
+            assert_eq!(faces_with_receivers(closed, double_sided(), aslant), [1, 3]);
+            assert_eq!(faces_with_receivers(closed, double_sided(), within), [0, 1, 2, 3, 4, 5]);
+        }
+        // Of single-sided ones fronts alone are drawn: through the outside of one that is inside out its inside is seen.
+        assert_eq!(faces_with_receivers(&cube, Material::default(), above), [3]);
+        assert_eq!(faces_with_receivers(&inside_out, Material::default(), above), [0, 1, 2, 4, 5]);
+    }
+
+    #[test]
+    fn both_sides_of_what_is_open_or_seen_through_count() {
+        let mut open = cuboid(Vec3::NEG_ONE, Vec3::ONE);
+        let holes = Material { alpha: Alpha::Mask { cutoff: 0.5 }, base_color_image: Some(0), ..double_sided() };
+        let glass = Material { alpha: Alpha::Blend, ..double_sided() };
+        for material in [holes, glass] {
+            assert_eq!(faces_with_receivers(&open, material, 3.0 * Vec3::Y), [0, 1, 2, 3, 4, 5]);
+        }
+        // A mask without an image has no holes.
+        let solid = Material { base_color_image: None, ..holes };
+        assert_eq!(faces_with_receivers(&open, solid, 3.0 * Vec3::Y), [3]);
+        // Without +z.
+        open.indices.truncate(30);
+        assert_eq!(faces_with_receivers(&open, double_sided(), 3.0 * Vec3::Y), [0, 1, 2, 3, 4]);
+        let sheet = quad(Vec3::new(-1.0, 0.0, -1.0), 2.0 * Vec3::Z, 2.0 * Vec3::X);
+        for lamp in [Vec3::Y, Vec3::NEG_Y] {
+            assert_eq!(faces_with_receivers(&sheet, double_sided(), lamp), [0]);
+        }
+    }
+
+    /// The light in one of two boxes of a mesh: of the other one only the face towards it counts.
+    #[test]
+    fn each_piece_of_a_mesh_is_judged_by_itself() {
+        let mut boxes = cuboid(Vec3::NEG_ONE, Vec3::ONE);
+        // A triangle of no area before the second box: numbers are those of the file.
+        boxes.indices.extend([0, 0, 0, 0, 0, 0]);
+        append(&mut boxes, &turned_over(&cuboid(Vec3::NEG_ONE, Vec3::ONE)), Affine3A::from_translation(3.0 * Vec3::X));
+        assert_eq!(faces_with_receivers(&boxes, double_sided(), 0.5 * Vec3::Y), [0, 1, 2, 3, 4, 5, 7]);
+        assert_eq!(faces_with_receivers(&boxes, double_sided(), 3.0 * Vec3::X), [1, 7, 8, 9, 10, 11, 12]);
+    }
+
+    /// In the hole of a ring the light is within its bounds, but not inside. A mirrored ring is the same.
+    #[test]
+    fn a_light_in_a_ring_s_hole_is_outside_of_the_ring() {
+        let ring = torus(2.0, 0.5, 24, 12);
+        for (scale, mesh) in [(1.0, ring.clone()), (-1.0, ring.clone()), (1.0, turned_over(&ring))] {
+            let mirror = Affine3A::from_scale(Vec3::new(scale, 1.0, 1.0));
+            let from_hole = truth_of(&mesh, mirror, double_sided(), Vec3::ZERO);
+            let radius = |receiver: &Receiver| receiver.position.with_y(0.0).length();
+            assert!(!from_hole.receivers.is_empty());
+            assert!(from_hole.receivers.iter().all(|receiver| radius(receiver) < 2.0), "the tube's near side");
+            let in_tube = truth_of(&mesh, mirror, double_sided(), 2.0 * Vec3::X);
+            assert!(in_tube.receivers.iter().any(|receiver| receiver.position.x > 2.3), "the tube's inside");
         }
     }
 

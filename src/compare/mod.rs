@@ -7,6 +7,7 @@
 
 pub mod area_light;
 pub mod baselines;
+mod closed_pieces;
 pub mod cost;
 mod cut_outs;
 pub mod error_figures;

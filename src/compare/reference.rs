@@ -20,6 +20,8 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::CutOuts;
+use super::closed_pieces::hidden_sides;
+use crate::chunks::ClosedPiece;
 use crate::paraboloid::double as paraboloid;
 
 /// Bound of the rounding error of a triple product `(A x B).d`, relative to `|A| |B|`, for a unit `d`.
@@ -93,6 +95,8 @@ pub struct Reference {
     cut_outs: CutOuts,
     /// One for each triangle, or none at all: all are double-sided then.
     double_sided: Vec<bool>,
+    /// Whether a triangle's side that faces the light is hidden inside a closed piece; none are if it's empty.
+    hidden: Vec<bool>,
     nodes: Vec<Node>,
     /// Deepest level of the tree: what a traversal's stack has to hold.
     depth: usize,
@@ -118,8 +122,8 @@ impl Reference {
             .map(|i| i as u32)
             .collect();
         let (nodes, depth) = build_tree(&triangles, &casters);
-        let (cut_outs, double_sided) = (CutOuts::default(), Vec::new());
-        Self { light_position, triangles, cut_outs, double_sided, nodes, depth }
+        let (cut_outs, double_sided, hidden) = (CutOuts::default(), Vec::new(), Vec::new());
+        Self { light_position, triangles, cut_outs, double_sided, hidden, nodes, depth }
     }
 
     /// Cuts holes into triangles: rays go through them.
@@ -142,6 +146,17 @@ impl Reference {
     pub fn with_double_sided(self, double_sided: Vec<bool>) -> Self {
         assert!(double_sided.len() == self.triangles.len(), "one entry of `double_sided` a triangle");
         Self { double_sided, ..self }
+    }
+
+    /// Says which triangles make closed pieces whose insides are hidden from outside: receivers aren't drawn there unless
+    /// the light is inside ([`sample_receivers`](super::error_figures::sample_receivers)). Rays are unaffected.
+    ///
+    /// # Panics
+    /// When there are pieces for another number of triangles, but for none at all.
+    #[must_use]
+    pub(super) fn with_closed_pieces(self, pieces: &[Option<ClosedPiece>]) -> Self {
+        let hidden = if pieces.is_empty() { Vec::new() } else { hidden_sides(&self.triangles, pieces) };
+        Self { hidden, ..self }
     }
 
     /// The light's position in the world.
@@ -169,6 +184,13 @@ impl Reference {
         let corners = &self.triangles[triangle as usize];
         let facing = normal(corners).dot(from - corners[0]);
         facing > 0.0 || (facing < 0.0 && self.is_double_sided(triangle))
+    }
+
+    /// Whether someone may see the light on a triangle: a renderer draws the side that faces the light, and it isn't
+    /// hidden inside a closed piece. What [`sample_receivers`](super::error_figures::sample_receivers) draws from.
+    #[must_use]
+    pub fn receives(&self, triangle: u32) -> bool {
+        self.shows(triangle, DVec3::ZERO) && !self.hidden.get(triangle as usize).is_some_and(|hidden| *hidden)
     }
 
     fn is_double_sided(&self, triangle: u32) -> bool {

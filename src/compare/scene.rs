@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 use glam::{Affine3A, DAffine3, DVec2, DVec3, Vec3};
 
 use super::{AlphaMask, CutOuts};
+use crate::Indices;
+use crate::chunks::{ClosedPiece, closed_pieces};
 
 pub use cameras::{STATED_SIZE, stated_camera};
 
@@ -294,6 +296,29 @@ impl Scene {
     pub fn double_sided(&self, triangles: &WorldTriangles) -> Vec<bool> {
         let meshes: Vec<bool> = self.meshes.iter().map(|mesh| self.is_double_sided(mesh)).collect();
         triangles.instance.iter().map(|&instance| meshes[self.instances[instance as usize].mesh]).collect()
+    }
+
+    /// For all triangles in turn, the closed piece of an instance that hides its inside: of a mesh whose both sides are
+    /// drawn, so that the outside covers it, and that nothing shows through, neither holes nor blending. Empty if no
+    /// mesh is such a one. Pieces are those that the library finds in casters; their triangles are by place in the list.
+    pub(super) fn closed_pieces(&self, triangles: &WorldTriangles) -> Vec<Option<ClosedPiece>> {
+        let covers = |mesh: &&SceneMesh| self.is_double_sided(mesh) && !self.is_seen_through(mesh);
+        if !self.meshes.iter().any(|mesh| covers(&mesh)) {
+            return Vec::new();
+        }
+        let find = |mesh: &SceneMesh| closed_pieces(&mesh.positions, Indices::U32(&mesh.indices));
+        let meshes: Vec<_> = self.meshes.iter().map(|mesh| Some(mesh).filter(covers).map(find)).collect();
+        let of_triangle = |(place, (&instance, &triangle)): (u32, (&u32, &u32))| {
+            let piece = meshes[self.instances[instance as usize].mesh].as_ref()?[triangle as usize]?;
+            Some(ClosedPiece { triangle: place - triangle + piece.triangle, ..piece })
+        };
+        (0..).zip(triangles.instance.iter().zip(&triangles.triangle)).map(of_triangle).collect()
+    }
+
+    /// Whether things behind a mesh's surface may be seen through it.
+    fn is_seen_through(&self, mesh: &SceneMesh) -> bool {
+        let blends = self.materials.get(mesh.material).is_some_and(|material| material.alpha == Alpha::Blend);
+        blends || self.mask(mesh).is_some()
     }
 
     /// The same scene with masked materials made opaque, for methods that know no holes.

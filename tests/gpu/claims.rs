@@ -50,8 +50,8 @@ pub fn assert_culling_changes_nothing(casters: &mut Casters, light: PointLight, 
     let culled = map(casters, light, resolution);
     let differences = culled.differences(&unculled_map(casters, light, resolution));
     let by_more = |allowed: &dyn Fn(&Texel) -> f32| {
-        let far = differences.iter().filter(|(texel, depth)| (texel.depth - depth).abs() > allowed(texel) * depth);
-        far.collect::<Vec<_>>()
+        let is_close = |texel: &Texel, depth: f32| (texel.depth / depth - 1.0).abs() <= allowed(texel);
+        differences.iter().filter(|(texel, depth)| !is_close(texel, *depth)).collect::<Vec<_>>()
     };
     let beyond_rounding = by_more(&|_| 1e-6);
     let beyond_a_texel = by_more(&|texel| paraboloid::texel_angle(texel.p, culled.texel()));

@@ -189,7 +189,7 @@ fn tunings_agree() {
         for (k, rasteriser) in rasterisers.iter().enumerate() {
             let name = format!("{name}, {}", rasteriser.name);
             let (count, worst) = differences(&maps[0], &maps[k]);
-            assert!(count <= 5 && worst <= 1e-6, "{name}: {count} texels differ, by up to {worst}");
+            assert!(count <= 10 && worst <= 1e-6, "{name}: {count} texels differ, by up to {worst}");
             // Both differ in what is drawn at once by default.
             if k > half && tunings()[k].1.small == tunings()[k - half].1.small {
                 assert_eq!(differences(&maps[k], &maps[k - half]).0, 0, "{name}, from the other workgroups");

@@ -7,7 +7,7 @@
 #[path = "../gpu/claims.rs"]
 mod claims;
 #[path = "../gpu/common.rs"]
-#[expect(dead_code, reason = "shared with the tests of scenes made in code")]
+#[allow(dead_code, reason = "shared with the tests of scenes made in code")]
 mod common;
 mod library;
 mod loading;

@@ -47,9 +47,9 @@ const PALETTE: [RGBColor; 10] = [
     RGBColor(170, 170, 0),
 ];
 
-/// Route, split and depth.
+/// The stages that are timed, and their colours.
 pub const STAGES: [(&str, RGBColor); 4] =
-    [("cull", SKY_BLUE), ("resolve", PALETTE[0]), ("bin", ORANGE), ("rasterise", BLUE)];
+    [("cull", SKY_BLUE), ("number", PALETTE[0]), ("bin", ORANGE), ("rasterise", BLUE)];
 
 /// Marks of the cube's time beside the stages.
 pub const CUBE_MARK: (&str, RGBColor) = ("cube, all of it", VERMILION);

@@ -100,7 +100,7 @@ fn break_even(lights: BreakEven) -> String {
 }
 
 fn stages(scenes: &[&SceneCosts], main: u32) -> Table {
-    let mut table = Table::new(&["scene", "triangles", "cull", "resolve", "bin", "rasterise", "recording, CPU us"]);
+    let mut table = Table::new(&["scene", "triangles", "cull", "number", "bin", "rasterise", "recording, CPU us"]);
     for costs in scenes {
         let own = costs.find(Method::Paraboloid, Budget::EqualTexels, main);
         let Some((own, stages)) = own.and_then(|own| Some((own, own.stages?))) else { continue };

@@ -35,7 +35,7 @@ impl Cube {
         Self {
             culling,
             draws: InstancedDraws::new(device, PassKind::OneView, depth.format(), 6, view_size),
-            lookup: CubeLookup::new(device, &map),
+            lookup: CubeLookup::new(device, map.texture()),
             map,
             nearest: 0.0,
         }
@@ -132,7 +132,7 @@ impl CubeMultiview {
         Some(Self {
             target: map.all_faces(),
             draws: InstancedDraws::new(device, PassKind::SixViews, map.depth().format(), 1, view_size),
-            lookup: CubeLookup::new(device, &map),
+            lookup: CubeLookup::new(device, map.texture()),
             map,
         })
     }

@@ -1,13 +1,16 @@
 //! What the lookups in a cube bind (`shaders/compare/cube_lookup.wgsl`).
 
-use super::cube_map::{CubeMap, DepthMapping};
+use super::cube_map::{CubeDepth, CubeMap, DepthMapping, half_width};
 use super::lookup::{Bias, Lookup};
 use crate::gpu;
 use crate::light::PointLight;
 use crate::view::axes;
 use glam::Vec3;
 
-const SHADER: &str = include_str!("../../../shaders/compare/cube_lookup.wgsl");
+const SHADER: &str = concat!(
+    include_str!("../../../shaders/compare/cube_face.wgsl"),
+    include_str!("../../../shaders/compare/cube_lookup.wgsl"),
+);
 
 /// The lookups' text, for the bind group number `group` and for lights with an orientation or only without.
 pub(super) fn text(group: u32, turned: bool) -> String {
@@ -43,31 +46,36 @@ pub(super) struct CubeLookup {
 }
 
 impl CubeLookup {
-    pub(super) fn new(device: &wgpu::Device, map: &CubeMap) -> Self {
+    /// Reads the faces, which are the layers of a texture. Of floats that aren't depth [`Lookup::CubePlane`] alone reads
+    /// anything.
+    pub(super) fn new(device: &wgpu::Device, faces: &wgpu::Texture) -> Self {
         let layout = layout(device);
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let light = gpu::buffer(device, "compare::cube_light", size_of::<CubeRecord>() as u64, usage);
-        let view = |dimension| {
-            map.texture().create_view(&wgpu::TextureViewDescriptor {
+        let view = |texture: &wgpu::Texture, dimension| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
                 label: Some("dual_paraboloid::compare::cube_lookup"),
                 dimension: Some(dimension),
                 ..Default::default()
             })
         };
+        let is_depth = faces.format().is_depth_stencil_format();
+        let placeholder = (!is_depth).then(|| CubeMap::new(device, 1, CubeDepth::Float32));
+        let cube = placeholder.as_ref().map_or(faces, CubeMap::texture);
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("dual_paraboloid::compare::cube_lookup"),
             ..Default::default()
         });
         let resources = [
-            wgpu::BindingResource::TextureView(&view(wgpu::TextureViewDimension::Cube)),
-            wgpu::BindingResource::TextureView(&view(wgpu::TextureViewDimension::D2Array)),
+            wgpu::BindingResource::TextureView(&view(cube, wgpu::TextureViewDimension::Cube)),
+            wgpu::BindingResource::TextureView(&view(faces, wgpu::TextureViewDimension::D2Array)),
             wgpu::BindingResource::Sampler(&comparison_sampler(device)),
             wgpu::BindingResource::Sampler(&sampler),
             light.as_entire_binding(),
         ];
         let mut record = CubeRecord {
-            half_width: map.half_width(),
-            texel: 2.0 * map.half_width() / map.resolution() as f32,
+            half_width: half_width(faces.width()),
+            texel: 2.0 * half_width(faces.width()) / faces.width() as f32,
             ..bytemuck::Zeroable::zeroed()
         };
         for lookup in [Lookup::CubeHardware, Lookup::CubePlane] {
@@ -153,13 +161,20 @@ pub(super) const READ_ONLY_STORAGE: wgpu::BindingType = wgpu::BindingType::Buffe
     min_binding_size: None,
 };
 
+/// Faces as layers, whether they are depth or not.
+const FLOATS: wgpu::BindingType = wgpu::BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+    view_dimension: wgpu::TextureViewDimension::D2Array,
+    multisampled: false,
+};
+
 fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let sampler = wgpu::BindingType::Sampler;
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("dual_paraboloid::compare::cube_lookup"),
         entries: &[
             lookup_entry(0, depth_texture(wgpu::TextureViewDimension::Cube)),
-            lookup_entry(1, depth_texture(wgpu::TextureViewDimension::D2Array)),
+            lookup_entry(1, FLOATS),
             lookup_entry(2, sampler(wgpu::SamplerBindingType::Comparison)),
             lookup_entry(3, sampler(wgpu::SamplerBindingType::NonFiltering)),
             lookup_entry(4, READ_ONLY_STORAGE),

@@ -199,7 +199,8 @@ impl CubeMap {
     }
 }
 
-fn half_width(resolution: u32) -> f32 {
+/// That of any map of so many texels across a face.
+pub(super) fn half_width(resolution: u32) -> f32 {
     let resolution = resolution as f32;
     // Maps of a few texels keep half of them for the quarter circle.
     resolution / (resolution - 2.0 * GUARD.min(0.25 * resolution))

@@ -96,7 +96,7 @@ impl CubeRouted {
         let face_view = gpu::dynamic(&face_views, size_of::<InstancedView>() as u64);
         let map = CubeMap::new(device, resolution, CubeDepth::Float32);
         Self {
-            lookup: CubeLookup::new(device, &map),
+            lookup: CubeLookup::new(device, map.texture()),
             map,
             route: gpu::compute_pipeline(device, "cube_route", &module, &[&route_layout], &[]),
             route_layout,

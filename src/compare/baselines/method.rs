@@ -7,7 +7,6 @@ use super::{CubeMultiview, Lookup};
 use crate::compare::gpu::Gpu;
 use serde::Serialize;
 
-pub(super) const NO_CUBE_COMPUTE: &str = "the exact rasteriser on six faces comes with the exact maps";
 pub(super) const NO_MULTIVIEW: &str =
     "it needs a device with multiview over six layers, requested with wgpu::Features::MULTIVIEW";
 const WRONG_MULTIVIEW: &str =
@@ -32,7 +31,7 @@ pub enum Method {
     CubeRouted,
     /// One pass into all faces of a cube map; for devices with [`wgpu::Features::MULTIVIEW`].
     CubeMultiview,
-    /// A cube map by a rasteriser in compute. Its place in tables only: there is none yet.
+    /// A cube map by this library's rasteriser in compute.
     CubeCompute,
     /// One plain view of the whole scene: the least that drawing each triangle once costs.
     DepthView,
@@ -95,7 +94,6 @@ impl Method {
     pub fn left_out(self, gpu: &Gpu) -> Option<&'static str> {
         let software = gpu.info.device_type == wgpu::DeviceType::Cpu;
         match self {
-            Self::CubeCompute => Some(NO_CUBE_COMPUTE),
             Self::CubeMultiview if !CubeMultiview::is_supported(&gpu.device) => Some(NO_MULTIVIEW),
             Self::CubeMultiview if software => Some(WRONG_MULTIVIEW),
             _ => None,
@@ -122,7 +120,12 @@ impl Method {
     /// Bytes of a texel of the map.
     #[must_use]
     pub fn bytes_per_texel(self) -> u64 {
-        if self == Self::Cube16 { 2 } else { 4 }
+        match self {
+            Self::Cube16 => 2,
+            // Depth and the triangle's number.
+            Self::Paraboloid | Self::CubeCompute => 8,
+            _ => 4,
+        }
     }
 
     /// The method whose maps have the same contents, of which this one's differ by rounding at most: what is fitted to
@@ -148,6 +151,7 @@ impl Method {
             Self::Paraboloid => &[Lookup::Paraboloid],
             Self::VertexWarp => &[Lookup::VertexWarp, Lookup::VertexWarpShipped],
             Self::Cube16 => &[Lookup::CubeHardware, Lookup::CubeShipped],
+            Self::CubeCompute => &[Lookup::CubePlane],
             Self::DepthView => &[],
             _ => &[Lookup::CubeHardware, Lookup::CubePlane, Lookup::CubeShipped],
         }

@@ -227,15 +227,15 @@ fn affordable_runs(plan: &Plan, round: Duration) -> usize {
 }
 
 /// The stages after which recordings stop early.
-const EARLY: [Stage; 3] = [Stage::Cull, Stage::Resolve, Stage::Bin];
+const EARLY: [Stage; 3] = [Stage::Cull, Stage::Number, Stage::Bin];
 
 /// What each stage adds, from the times of all stages and of those that stop early.
 fn stages(all: &Times, early: &[Times]) -> Stages {
-    let [cull, resolve, bin, rasterise] = [&early[0], &early[1], &early[2], all].map(|times| times.gpu.median);
+    let [cull, number, bin, rasterise] = [&early[0], &early[1], &early[2], all].map(|times| times.gpu.median);
     Stages {
         cull,
-        resolve: resolve.saturating_sub(cull),
-        bin: bin.saturating_sub(resolve),
+        number: number.saturating_sub(cull),
+        bin: bin.saturating_sub(number),
         rasterise: rasterise.saturating_sub(bin),
     }
 }

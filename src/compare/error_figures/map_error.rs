@@ -333,10 +333,14 @@ mod tests {
         let mut scene = scene(f64::INFINITY);
         let turn = DQuat::from_rotation_y(0.8 * paraboloid::texel_angle(DVec2::ZERO, GEOMETRY.texel()));
         let moved = View { orientation: turn * scene.view.orientation, ..scene.view };
-        for (stored, depth) in scene.stored.iter_mut().zip(ideal_map(&scene.reference, &moved, GEOMETRY).depths) {
-            *stored = depth as f32;
+        let is_plate = |triangle: u32| triangle >= 10 && triangle != NO_TRIANGLE;
+        let plate = |index: usize| is_plate(scene.ideal.triangles[index]);
+        let moved = ideal_map(&scene.reference, &moved, GEOMETRY);
+        for (index, stored) in scene.stored.iter_mut().enumerate() {
+            if is_plate(moved.triangles[index]) != plate(index) {
+                *stored = moved.depths[index] as f32;
+            }
         }
-        let plate = |index: usize| scene.ideal.triangles[index] >= 10 && scene.ideal.triangles[index] != NO_TRIANGLE;
         let verdicts = judge_texels(&scene.stored, &scene.ideal, &scene.reference, &scene.view);
         let wrong = (0..verdicts.len()).filter(|&i| verdicts[i] == TexelVerdict::WrongSurface).count();
         let outline = (0..verdicts.len()).filter(|&i| plate(i)).count() as f64;

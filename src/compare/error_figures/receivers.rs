@@ -67,10 +67,22 @@ impl Receiver {
 /// Draws receivers over all triangles, casters or not, with probability in proportion to area / distance^2, until `n`
 /// of them count ([`Receiver::counts`]).
 ///
-/// Drawn are points that a renderer lights: on the front of a triangle or on either side of a double-sided one
-/// ([`Reference::with_double_sided`]), the side that faces the light; outside of holes; within the light's range, and no
-/// nearer than `near`, so that maps hold them in every orientation. The grazing ones that were drawn on the way are
-/// among them: all together are a sample without a cut-off, whose cosines weigh them by the energy that arrives.
+/// Drawn are points that a renderer lights and that someone may see, on the side that faces the light:
+///
+/// - Fronts, and either side of a double-sided triangle ([`Reference::with_double_sided`]).
+/// - Not the inside of a closed double-sided piece, unless the light is inside. Many files mark every material
+///   double-sided. The insides of their solid walls are dark, and no camera outside sees them; on
+///   `fog_arcade_bevy.glb` they would be half of all receivers. Where the light is inside, as in a room made as one
+///   shell, a camera may be too, so the inside counts.
+/// - Outside of holes; within the light's range, and no nearer than `near`, so that maps hold them in every orientation.
+///
+/// A piece is connected by edges between equal positions, within one mesh. It is closed if every edge has exactly two
+/// triangles that pass it in opposite directions, and its signed volume isn't 0. A negative volume means that fronts are
+/// inside. A mesh with a hole mask or blending has no closed pieces: one sees through it. Pieces don't know each other:
+/// of a thick wall made as two shells around a room, the sides that face into the wall may count.
+///
+/// The grazing ones that were drawn on the way are among them: all together are a sample without a cut-off, whose cosines
+/// weigh them by the energy that arrives.
 ///
 /// The weight is exact for triangles of any size: they are cut until the distance varies little over a part, and drawn by
 /// rejection within it. The same seed gives the same receivers, on any number of threads. Fewer than `n` count where
@@ -196,7 +208,7 @@ impl<'a> Sampler<'a> {
 fn weighted_pieces(reference: &Reference, view: &View, triangle: u32) -> Vec<(Piece, f64)> {
     let triangle_corners = &reference.triangles()[triangle as usize];
     // The light, at the origin, is in the plane of a triangle without area.
-    if !triangle_corners.iter().all(|corner| corner.is_finite()) || !reference.shows(triangle, DVec3::ZERO) {
+    if !triangle_corners.iter().all(|corner| corner.is_finite()) || !reference.receives(triangle) {
         return Vec::new();
     }
     let mut pieces = Vec::new();

@@ -1,21 +1,30 @@
-//! This library's own maps, made anew at every recording.
+//! Maps by this library's own stages, made anew at every recording.
 
 use crate::casters::Casters;
 use crate::compare::gpu::Gpu;
 use crate::light::PointLight;
-use crate::{Error, LightId, PointShadows, PointShadowsDescriptor, Stage};
+use crate::view::MapShape;
+use crate::{Error, LightId, PointShadows, PointShadowsDescriptor, Stage, Tuning};
 
-/// A light's pair of maps from [`PointShadows`], without the benefit of not being stale.
+/// A light's maps from [`PointShadows`], without the benefit of not being stale.
 #[derive(Debug)]
-pub(super) struct Pair {
+pub(super) struct OwnMaps {
     shadows: PointShadows,
     light: LightId,
 }
 
-impl Pair {
-    pub(super) fn new(device: &wgpu::Device, resolution: u32) -> Result<Self, Error> {
-        let descriptor = PointShadowsDescriptor { capacity: 1, resolution, ..Default::default() };
-        let mut shadows = PointShadows::new(device, &descriptor)?;
+impl OwnMaps {
+    /// The library's pair.
+    pub(super) fn pair(device: &wgpu::Device, resolution: u32) -> Result<Self, Error> {
+        Self::new(PointShadows::new(device, &descriptor(resolution))?)
+    }
+
+    /// Maps of another shape.
+    pub(super) fn shaped(device: &wgpu::Device, shape: MapShape, tuning: &Tuning) -> Result<Self, Error> {
+        Self::new(PointShadows::with_shape(device, &descriptor(shape.resolution), tuning, shape)?)
+    }
+
+    fn new(mut shadows: PointShadows) -> Result<Self, Error> {
         let light = shadows.add(PointLight::default())?;
         Ok(Self { shadows, light })
     }
@@ -45,4 +54,8 @@ impl Pair {
     pub(super) fn shadows(&self) -> &PointShadows {
         &self.shadows
     }
+}
+
+fn descriptor(resolution: u32) -> PointShadowsDescriptor {
+    PointShadowsDescriptor { capacity: 1, resolution, ..Default::default() }
 }
