@@ -65,7 +65,7 @@ fn step() -> impl Strategy<Value = Step> {
     ]
 }
 
-/// A tetrahedron, a plate that has to be split, and a box that lights may be in.
+/// A tetrahedron, a large plate, and a box that lights may be in.
 fn add_meshes(casters: &mut Casters) -> Vec<MeshId> {
     let corners = [Vec3::ONE, Vec3::new(1.0, -1.0, -1.0), Vec3::new(-1.0, 1.0, -1.0), Vec3::new(-1.0, -1.0, 1.0)];
     let tetrahedron: Vec<[Vec3; 3]> =

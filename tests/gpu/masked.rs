@@ -97,7 +97,7 @@ fn a_board_above_a_floor() {
         range: 100.0,
         ..Default::default()
     };
-    // Whole triangles, and pieces of large ones.
+    // Small triangles, and large ones.
     for (quads, texels) in [(64, 1), (64, 4), (1, 1), (1, 4)] {
         let map = map(&mut board_above_floor(quads, texels), light, 256);
         let mut seen = [0, 0];

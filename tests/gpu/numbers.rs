@@ -15,8 +15,8 @@ use dual_paraboloid::{
     CasterMesh, Casters, Indices, InstanceId, PointLight, PointShadows, PointShadowsDescriptor, Sides, Tuning,
     Workgroups,
 };
-use glam::{Affine3A, Vec3};
-use rand::SeedableRng;
+use glam::{Affine3A, Quat, Vec3};
+use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use std::collections::HashMap;
 
@@ -152,17 +152,26 @@ fn of_deformed_casters() {
     }
 }
 
-/// Twenty maps of a busy scene have the same depths and numbers to the bit, with room and without.
+/// Twenty maps of a busy scene have the same depths and numbers to the bit, with room and without. One mesh many times,
+/// nearly at the same place, so that chunks that are drawn at the same time share texels.
 #[test]
 fn the_same_on_every_run() {
     let mut rng = Pcg64::seed_from_u64(23);
-    let (mut casters, light) = (soup(&mixed(&mut rng, 2000), Sides::Auto), turned(&mut rng));
+    let SceneMesh { positions, indices, .. } = mesh_of(&mixed(&mut rng, 200));
+    let indices = Indices::U32(&indices);
+    let mut casters = Casters::new(&gpu().device);
+    let mesh = casters.add_mesh(&CasterMesh { positions: &positions, indices, ..Default::default() }).unwrap();
+    for _ in 0..40 {
+        let turn = Quat::from_scaled_axis(1e-3 * Vec3::new(rng.random(), rng.random(), rng.random()));
+        casters.add_instance(mesh, Affine3A::from_quat(turn)).unwrap();
+    }
+    let light = turned(&mut rng);
     let no_room = Tuning { small: Some(8), records: Some(100), ..tuning() };
     for (name, plain) in [("as it is", tuning()), ("without room", no_room)] {
         for workgroups in [Workgroups::Gpu, Workgroups::Software] {
-            let mut rasteriser = Rasteriser::new((name, Tuning { workgroups, ..plain }), 128);
+            let mut rasteriser = Rasteriser::new((name, Tuning { workgroups, ..plain }), 64);
             let first = rasteriser.map(&mut casters, light);
-            assert!(first.discs().filter(|texel| texel.depth > 0.0).count() > 5000);
+            assert!(first.discs().filter(|texel| texel.depth > 0.0).count() > 300);
             for run in 1..20 {
                 let again = rasteriser.map(&mut casters, light);
                 assert!(again.depth == first.depth && again.numbers == first.numbers, "{name}, run {run}");
