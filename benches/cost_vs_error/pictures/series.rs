@@ -30,6 +30,7 @@ const SHAPES: [Shape; 4] = [Shape::Disc, Shape::Triangle, Shape::Cross, Shape::R
 const ORANGE: RGBColor = RGBColor(230, 159, 0);
 const SKY_BLUE: RGBColor = RGBColor(86, 180, 233);
 const BLUE: RGBColor = RGBColor(0, 114, 178);
+const GREEN: RGBColor = RGBColor(0, 158, 115);
 const VERMILION: RGBColor = RGBColor(213, 94, 0);
 
 /// Colors of the methods, in their order: the palette of Okabe and Ito, which color-blind people can tell apart, and
@@ -39,7 +40,7 @@ const PALETTE: [RGBColor; 10] = [
     SKY_BLUE,
     VERMILION,
     ORANGE,
-    RGBColor(0, 158, 115),
+    GREEN,
     RGBColor(204, 121, 167),
     RGBColor(150, 150, 150),
     RGBColor(0, 0, 0),
@@ -48,8 +49,7 @@ const PALETTE: [RGBColor; 10] = [
 ];
 
 /// The stages that are timed, and their colours.
-pub const STAGES: [(&str, RGBColor); 4] =
-    [("cull", SKY_BLUE), ("number", PALETTE[0]), ("bin", ORANGE), ("rasterise", BLUE)];
+pub const STAGES: [(&str, RGBColor); 4] = [("cull", SKY_BLUE), ("number", GREEN), ("bin", ORANGE), ("rasterise", BLUE)];
 
 /// Marks of the cube's time beside the stages.
 pub const CUBE_MARK: (&str, RGBColor) = ("cube, all of it", VERMILION);
