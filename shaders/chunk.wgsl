@@ -58,3 +58,13 @@ fn triangle_of_row(row: u32, count: u32) -> u32 {
     }
     return queue[low];
 }
+
+// Bits of the depths that the workspace has at four places.
+fn stored_depths(at: vec4<u32>) -> vec4<u32> {
+    return vec4<u32>(
+        atomicLoad(&depths[at.x]),
+        atomicLoad(&depths[at.y]),
+        atomicLoad(&depths[at.z]),
+        atomicLoad(&depths[at.w]),
+    );
+}

@@ -204,12 +204,7 @@ fn draw_row(view: View, source: ChunkSource, square: u32, row: u32, count: u32) 
         // Four at a time, since what takes time is to wait for what they hold.
         let quad = row_texels(view, triangle, x, span.y, v);
         let at = row_places(view, square, x, y, span.y);
-        let stored = vec4<u32>(
-            atomicLoad(&depths[at.x]),
-            atomicLoad(&depths[at.y]),
-            atomicLoad(&depths[at.z]),
-            atomicLoad(&depths[at.w]),
-        );
+        let stored = stored_depths(at);
         for (var i = 0; i < 4; i += 1) {
             if quad[i] > stored[i] {
                 atomicMax(&depths[at[i]], quad[i]);

@@ -110,12 +110,7 @@ fn resolve_row(view: View, source: ChunkSource, chunk: u32, square: u32, rows: v
         // Four at a time, as the culling does.
         let quad = row_texels(view, source, local, triangle, x, span.y, v);
         let at = row_places(view, square, x, y, span.y);
-        let stored = vec4<u32>(
-            atomicLoad(&depths[at.x]),
-            atomicLoad(&depths[at.y]),
-            atomicLoad(&depths[at.z]),
-            atomicLoad(&depths[at.w]),
-        );
+        let stored = stored_depths(at);
         for (var i = 0; i < 4; i += 1) {
             if NUMBERS {
                 if quad[i] > 0u && is_same_depth(triangle, bitcast<f32>(quad[i]), bitcast<f32>(stored[i])) {

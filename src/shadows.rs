@@ -167,16 +167,6 @@ impl PointShadows {
         Self::with_shape(device, descriptor, &Tuning::of(device), shape_of(descriptor))
     }
 
-    /// [`Self::new`] with maps from every triangle, even of those that can't change them: what the tests hold the
-    /// culling against.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    #[cfg(feature = "compare")]
-    pub fn new_unrouted(device: &wgpu::Device, descriptor: &PointShadowsDescriptor) -> Result<Self, Error> {
-        Self::tuned(device, descriptor, &Tuning { reject: false, ..Tuning::of(device) })
-    }
-
     /// [`Self::new`] with the stages set to work otherwise.
     ///
     /// # Errors

@@ -79,9 +79,10 @@ pub fn map(casters: &mut Casters, light: PointLight, resolution: u32) -> Map {
     Map::read(&shadows, id)
 }
 
-/// A light's map from every triangle.
+/// A light's map that no triangle of closed pieces is left out of.
 pub fn unculled_map(casters: &mut Casters, light: PointLight, resolution: u32) -> Map {
-    let shadows = PointShadows::new_unrouted(&gpu().device, &descriptor(resolution)).unwrap();
+    let tuning = Tuning { reject: false, ..Tuning::of(&gpu().device) };
+    let shadows = PointShadows::tuned(&gpu().device, &descriptor(resolution), &tuning).unwrap();
     let (shadows, id) = record(shadows, casters, light);
     Map::read(&shadows, id)
 }
