@@ -139,7 +139,7 @@ pub struct RecordOptions<'a> {
     /// by [priority](PointShadows::set_priority) times the recordings it has waited for. Lights without any map, which
     /// until then light nothing, go before all others. No limit without a number.
     pub most: Option<u32>,
-    /// Draws casters of the caller's own over each map that is made anew, see [`CasterPass`]. To be given at every recording:
+    /// Draws casters of the caller's own into each map that is made anew, see [`CasterPass`]. To be given at every recording:
     /// a map that is made without it lacks them. [`Casters::touch`] says that they have changed.
     pub draw: Option<&'a mut dyn FnMut(&mut CasterPass)>,
 }
@@ -517,7 +517,7 @@ impl PointShadows {
     }
 
     /// The maps' triangles, `R32Uint`, laid out as [`Self::maps`]: the chunk in bits 8-31 and the place in it in bits 0-7;
-    /// all bits set where there is none.
+    /// all bits set where there is none. Tiles that no lookup reads are never written.
     #[cfg(feature = "compare")]
     #[must_use]
     pub fn numbers(&self) -> &wgpu::Texture {
