@@ -40,6 +40,8 @@ const EDGE_SLACK: f32 = 2.4e-7 * LONGEST_DIRECTION;
 
 var<workgroup> batch: array<vec4<u32>, 512>;
 var<workgroup> kept: atomic<u32>;
+// The tile's, which every thread has read before they are cleared.
+var<workgroup> counters_of_tile: TileCounters;
 // Least depth that any texel of the tile has so far.
 var<workgroup> lowest: atomic<u32>;
 
@@ -77,7 +79,10 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
         return;
     }
     let place = tile_of(view, square, group.x, group.y);
-    let counters = tiles[place];
+    if thread == 0u {
+        counters_of_tile = tiles[place];
+    }
+    let counters = workgroupUniformLoad(&counters_of_tile);
     let corner = vec2<i32>(group.xy) * TILE;
     let tile = Tile(centre, reach, corner, group.x, group.y, square, bitcast<f32>(counters.least));
     var quads: array<Quad, QUADS>;
