@@ -92,8 +92,8 @@ fn profile(gpu: &Gpu, edge: f32, resolution: u32) -> Result<Profile, dual_parabo
     Ok(Profile {
         edge,
         truth: shares_of_sphere(&receivers, &reference, &view, RADIUS.into(), RAYS),
-        soft: [&axis, &rim].map(|made| gpu.filtered_values(&made.shadows, made.light, &inputs)),
-        unfiltered: gpu.shadow_values(&axis.shadows, axis.light, &inputs),
+        soft: [&axis, &rim].map(|made| gpu.filtered_values(&made.shadows, &made.casters, made.light, &inputs)),
+        unfiltered: gpu.shadow_values(&axis.shadows, &axis.casters, axis.light, &inputs),
         distances,
     })
 }

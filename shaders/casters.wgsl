@@ -18,7 +18,8 @@ struct ChunkSource {
     counts: u32,
     // Bounds, in the mesh's space, of the closed pieces that the chunk has triangles of.
     pieces_min: vec3<f32>,
-    padding: u32,
+    // The first of its triangles among the mesh records.
+    record: u32,
     pieces_max: vec3<f32>,
     // Cone of normals in the mesh's space: axis and sine, as four signed bytes; a sine of 1 for none.
     normals: u32,
@@ -39,6 +40,9 @@ struct ChunkBounds {
     // 1 for none.
     normals_axis: vec3<f32>,
     normals_sine: f32,
+    // For lookups: its first vertex, the first of its triangles among the mesh records, the number of the casters' update
+    // that moved it, and its kind.
+    place: vec4<u32>,
 }
 
 const CULL_CLOSED: u32 = 1u;

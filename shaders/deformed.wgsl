@@ -7,7 +7,7 @@
 fn local_position(source: ChunkSource, vertex: CasterVertex) -> vec3<f32> {
     var place = vertex.data;
     if (kind(source) & KIND_MASKED) != 0u {
-        place = mask_vertices[place].source;
+        place = dp_mask_vertex(place).source;
     }
     let at = spacing.x + place * spacing.y;
     return vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);

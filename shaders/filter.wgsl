@@ -5,7 +5,7 @@
 // antialiasing. They may be called wherever `dp_shadow` may.
 
 // Twins of the kinds in src/filter.rs.
-const DP_BILINEAR: u32 = 0u;
+const DP_SHARP: u32 = 0u;
 const DP_HARD: u32 = 1u;
 const DP_PCF3: u32 = 2u;
 const DP_PCF5: u32 = 3u;
@@ -24,33 +24,33 @@ const DP_GOLDEN_ANGLE: f32 = 2.3999632;
 const DP_TURN: f32 = 6.2831853;
 
 // By the light's own filter.
-fn dp_shadow_filtered(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, noise, dp_lights[light].filtering);
+fn dp_shadow_filtered(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, pixel, noise, dp_lights[light].filtering);
 }
 
 // `dp_shadow` decided for light or darkness: the sharpest edge that the maps give.
-fn dp_shadow_hard(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, noise, DpFilter(DP_HARD, 0.0, 0u));
+fn dp_shadow_hard(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, pixel, noise, DpFilter(DP_HARD, 0.0, 0u));
 }
 
 // The mean over 3 x 3 texels around the receiver.
-fn dp_shadow_pcf3(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, noise, DpFilter(DP_PCF3, 0.0, 0u));
+fn dp_shadow_pcf3(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, pixel, noise, DpFilter(DP_PCF3, 0.0, 0u));
 }
 
 // The mean over 5 x 5 texels around the receiver.
-fn dp_shadow_pcf5(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, noise, DpFilter(DP_PCF5, 0.0, 0u));
+fn dp_shadow_pcf5(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, pixel, noise, DpFilter(DP_PCF5, 0.0, 0u));
 }
 
 // The mean over a disc of directions as wide as the light's `Filter::Disc` has it; else `dp_shadow`.
-fn dp_shadow_disc(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, noise, dp_own_filter(light, DP_DISC));
+fn dp_shadow_disc(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, pixel, noise, dp_own_filter(light, DP_DISC));
 }
 
 // The share of a sphere of the radius that the light's `Filter::Soft` has; else `dp_shadow`.
-fn dp_shadow_soft(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, noise, dp_own_filter(light, DP_SOFT));
+fn dp_shadow_soft(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, pixel, noise, dp_own_filter(light, DP_SOFT));
 }
 
 // The light's settings of a kind of filter, of no size if it has another kind.
@@ -60,32 +60,38 @@ fn dp_own_filter(light: u32, kind: u32) -> DpFilter {
 }
 
 // By any filter, whatever the light's own.
-fn dp_shadow_with(light: u32, position: vec3<f32>, normal: vec3<f32>, noise: f32, filtering: DpFilter) -> f32 {
+fn dp_shadow_with(
+    light: u32,
+    position: vec3<f32>,
+    normal: vec3<f32>,
+    pixel: mat2x3<f32>,
+    noise: f32,
+    filtering: DpFilter,
+) -> f32 {
     let receiver = dp_locate(light, position, normal);
-    if dp_is_out_of_range(light, receiver) {
-        return 1.0;
+    if dp_is_known(light, receiver) {
+        return dp_known(light, receiver);
     }
-    if !dp_has_hemisphere(light, receiver.back) {
-        return 0.0;
+    if filtering.kind == DP_PCF3 || filtering.kind == DP_PCF5 {
+        return dp_sample_across(light, receiver, select(3u, 2u, filtering.kind == DP_PCF3));
     }
+    var at = pixel;
+    if filtering.kind == DP_HARD {
+        at = mat2x3<f32>();
+    }
+    let sharp = dp_sample_sharp(light, position, normal, at, receiver);
     switch filtering.kind {
         case DP_HARD: {
-            return step(0.5, dp_sample_bilinear(light, receiver));
-        }
-        case DP_PCF3: {
-            return dp_sample_across(light, receiver, 2u);
-        }
-        case DP_PCF5: {
-            return dp_sample_across(light, receiver, 3u);
+            return step(0.5, sharp);
         }
         case DP_DISC: {
-            return dp_sample_disc(light, receiver, noise, filtering);
+            return dp_sample_disc(light, receiver, sharp, noise, filtering);
         }
         case DP_SOFT: {
-            return dp_sample_soft(light, receiver, noise, filtering);
+            return dp_sample_soft(light, receiver, sharp, noise, filtering);
         }
         default: {
-            return dp_sample_bilinear(light, receiver);
+            return sharp;
         }
     }
 }
@@ -283,13 +289,13 @@ fn dp_lit_in_disc(tap: DpTap, reach: f32, centre: f32) -> vec4<f32> {
     return select(vec4<f32>(0.0), past_end, tap.votes.dark == vec4<f32>(0.0));
 }
 
-// The mean over a disc of directions.
-fn dp_sample_disc(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFilter) -> f32 {
-    let centre = dp_sample_bilinear(light, receiver);
+// The mean over a disc of directions; `sharp` is what the middle has.
+fn dp_sample_disc(light: u32, receiver: DpReceiver, sharp: f32, noise: f32, filtering: DpFilter) -> f32 {
     let radius = filtering.size / dp_footprint(light, receiver.map);
     if radius < 0.5 {
-        return centre;
+        return sharp;
     }
+    let centre = dp_sample_bilinear(light, receiver);
     let probe = dp_probe(light, receiver);
     let frame = dp_frame(receiver);
     let rim = sin(0.5 * min(filtering.size, DP_WIDEST));
@@ -315,24 +321,24 @@ fn dp_sample_disc(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFil
 // from the receiver, `nearness` times as near to the light, stands before the sphere for the receiver if
 // sin t <= size (nearness - cos t), with the sphere's radius over the receiver's distance as its size. So a search
 // finds how wide a disc of directions has what stands before the sphere, and that disc is filtered. What stands
-// elsewhere, as the wall beside a floor does, says nothing about the sphere.
-fn dp_sample_soft(light: u32, receiver: DpReceiver, noise: f32, filtering: DpFilter) -> f32 {
+// elsewhere, as the wall beside a floor does, says nothing about the sphere. Penumbras narrower than a texel are those of
+// `sharp`.
+fn dp_sample_soft(light: u32, receiver: DpReceiver, sharp: f32, noise: f32, filtering: DpFilter) -> f32 {
     let size = filtering.size / max(receiver.distance, 1e-30);
     let footprint = dp_footprint(light, receiver.map);
-    // What throws penumbras that are narrower than a texel is left to the four texels around the receiver.
     let probe = dp_probe(light, receiver);
     let around = dp_neighbours(light, receiver.back, receiver.map);
     let depths = dp_plane_depths(probe.plane, around.texels.u, around.texels.v);
     let votes = dp_votes(probe.judge, dp_margins(around.texels.stored, depths, footprint));
     let nearness = dp_nearness(probe, around.texels);
     let blurred = dp_blurred(size / footprint, nearness);
-    let all = max(dot(around.weights, votes.lit + votes.dark), DP_QUORUM);
-    // Division may be rounded up.
-    let contact = min(dot(around.weights, votes.dark * (1.0 - blurred)) / all, 1.0);
-    let centre = 1.0 - dot(around.weights, votes.dark) / all;
+    let hidden = around.weights * votes.dark;
+    // What of the darkness at the middle is thrown by narrow penumbras: all, where the texels don't know.
+    let narrow = 1.0 - dot(hidden, blurred) / max(dot(hidden, vec4<f32>(1.0)), 1e-6);
+    let contact = (1.0 - sharp) * narrow;
+    let centre = sharp;
 
     let frame = dp_frame(receiver);
-    let hidden = around.weights * votes.dark;
     let hider = dot(hidden, nearness) / max(dot(hidden, vec4<f32>(1.0)), 1e-6);
     let blockers = dp_search(light, probe, frame, noise, size, footprint, hider, filtering.taps);
     let found = dp_found(hidden * blurred, nearness) + blockers.found;

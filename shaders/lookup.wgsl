@@ -1,8 +1,9 @@
-// Lookup: is a point lit? To be pasted into a renderer's shader, together with paraboloid.wgsl.
+// Lookup: is a point lit? To be pasted into a renderer's shader, together with paraboloid.wgsl, filter.wgsl, and exact.wgsl
+// or votes.wgsl.
 
 // How a light is filtered (filter.wgsl); twin of `FilterRecord` in src/filter.rs.
 struct DpFilter {
-    // One of DP_BILINEAR, DP_HARD, ...
+    // One of DP_SHARP, DP_HARD, ...
     kind: u32,
     // Radius: of a disc in radians, of a soft light in world units.
     size: f32,
@@ -28,6 +29,10 @@ struct DpLight {
     layer: u32,
     // Bias along a surface's normal, in texel footprints.
     normal_bias: f32,
+    // How far receivers may lie from the casters' surface, along their normal, in world units.
+    receiver_offset: f32,
+    // Number of the casters' update that the maps show; 0 for none.
+    made: u32,
     filtering: DpFilter,
 }
 
@@ -66,22 +71,49 @@ struct DpReceiver {
     map: vec2<f32>,
 }
 
-// Share of the light that reaches `position`, from 0 (dark) to 1 (lit). Points out of the light's range are
-// lit: the light's falloff is what ends them. `normal` is the triangle's own (not a shading normal), of any
-// length and either sign; world space both. May be called anywhere, in loops over lights too.
-fn dp_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
+// Share of the light that reaches `position`, from 0 (dark) to 1 (lit), over the pixel in which it is seen. Points out of the
+// light's range are lit: the light's falloff is what ends them. `normal` is the triangle's own (not a shading normal), of
+// any length and either sign; world space both. The columns of `pixel` are the steps on the surface from one pixel to the
+// next, across and down, see `dp_pixel`: edges are smooth over that. All zeros ask for the point alone. May be called anywhere,
+// in loops over lights too.
+fn dp_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>) -> f32 {
     let receiver = dp_locate(light, position, normal);
-    if dp_is_out_of_range(light, receiver) {
-        return 1.0;
+    if dp_is_known(light, receiver) {
+        return dp_known(light, receiver);
     }
-    if !dp_has_hemisphere(light, receiver.back) {
-        return 0.0;
-    }
-    return dp_sample_bilinear(light, receiver);
+    return dp_sample_sharp(light, position, normal, pixel, receiver);
 }
 
-fn dp_is_out_of_range(light: u32, receiver: DpReceiver) -> bool {
-    return receiver.distance > dp_lights[light].range;
+// The steps from one pixel to the next on a surface that a camera at `eye` sees, for `dp_shadow`. `angle` is a pixel's: of a
+// perspective camera 2 tan(fov / 2) over the picture's height in pixels.
+fn dp_pixel(eye: vec3<f32>, position: vec3<f32>, normal: vec3<f32>, angle: f32) -> mat2x3<f32> {
+    let to = position - eye;
+    let ray = normalize(to);
+    // Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017.
+    let s = select(-1.0, 1.0, ray.z >= 0.0);
+    let a = -1.0 / (s + ray.z);
+    let across = vec3<f32>(1.0 + s * ray.x * ray.x * a, s * ray.x * ray.y * a, -s * ray.x);
+    let down = vec3<f32>(ray.x * ray.y * a, s + ray.y * ray.y * a, -ray.y);
+    // Seen edge-on, a pixel would reach for ever.
+    let along = dot(normal, ray);
+    let least = 0.05 * length(normal);
+    let over = select(min(along, -least), max(along, least), along > 0.0);
+    let size = angle * length(to);
+    return mat2x3<f32>(
+        (across - ray * (dot(normal, across) / over)) * size,
+        (down - ray * (dot(normal, down) / over)) * size,
+    );
+}
+
+// Whether the maps needn't be asked: there is no such light, or none of its maps reaches the receiver.
+fn dp_is_known(light: u32, receiver: DpReceiver) -> bool {
+    return receiver.distance > dp_lights[light].range || !dp_has_hemisphere(light, receiver.back);
+}
+
+// The answer then.
+fn dp_known(light: u32, receiver: DpReceiver) -> f32 {
+    let is_lit = dp_lights[light].hemispheres != 0u && receiver.distance > dp_lights[light].range;
+    return select(0.0, 1.0, is_lit);
 }
 
 fn dp_has_hemisphere(light: u32, back: bool) -> bool {
@@ -121,12 +153,12 @@ struct DpPlane {
 
 fn dp_plane(light: u32, receiver: DpReceiver) -> DpPlane {
     let own = dp_lights[light].near / receiver.w;
-    let scale = dp_lights[light].near / dot(receiver.normal, receiver.position);
+    let along = dot(receiver.normal, receiver.position);
     // Without a plane (no normal, or the light in it) the receiver's own depth has to do.
-    if !(abs(scale) < 1e36) {
+    if abs(along) <= 1e-36 * dp_lights[light].near {
         return DpPlane(vec2<f32>(0.0), 0.0, own, own);
     }
-    let n = scale * receiver.normal;
+    let n = dp_lights[light].near / along * receiver.normal;
     return DpPlane(n.xy, -0.5 * n.z, 0.5 * n.z, own);
 }
 
@@ -156,9 +188,15 @@ fn dp_grazing(receiver: DpReceiver) -> f32 {
     return select(1e3, clamp(length(receiver.normal) * receiver.distance / along, 1.0, 1e3), along > 0.0);
 }
 
+// `dp_lights[light].receiver_offset` along the ray, over the receiver's distance.
+fn dp_offset(light: u32, receiver: DpReceiver, grazing: f32) -> f32 {
+    return dp_lights[light].receiver_offset * grazing / receiver.distance;
+}
+
 fn dp_judge(light: u32, receiver: DpReceiver) -> DpJudge {
     let grazing = dp_grazing(receiver);
-    return DpJudge(DP_BIAS + dp_lights[light].normal_bias * grazing, 1.0 + grazing);
+    let offset = dp_offset(light, receiver, grazing) / dp_footprint(light, receiver.map);
+    return DpJudge(DP_BIAS + dp_lights[light].normal_bias * grazing + offset, 1.0 + grazing);
 }
 
 fn dp_votes(judge: DpJudge, margin: vec4<f32>) -> DpVotes {
@@ -186,6 +224,8 @@ struct DpTexels {
     // Map coordinates of their centres.
     u: vec4<f32>,
     v: vec4<f32>,
+    // Where they were gathered, in texture coordinates.
+    at: vec2<f32>,
 }
 
 // Map coordinates in texels: integers are the centres of texels, from the upper left one on.
@@ -207,6 +247,7 @@ fn dp_gather(light: u32, back: bool, base: vec2<f32>) -> DpTexels {
         stored,
         vec4<f32>(low.x, high.x, high.x, low.x),
         vec4<f32>(high.y, high.y, low.y, low.y),
+        at,
     );
 }
 

@@ -1,16 +1,17 @@
 // Masks: where masked casters have holes. Alpha is sampled bilinearly at the texture's finest level, as its own sampler
-// does it close by.
+// does it close by. All of it lies in the mesh records; whoever uses this declares them as `dp_meshes`.
 
-// What a vertex of a masked mesh has beside its position.
-struct MaskVertex {
-    u: f32,
-    v: f32,
+// What a vertex of a masked mesh has beside its position, a record.
+struct DpMaskVertex {
+    coordinates: vec2<f32>,
+    // Record of its mask.
     mask: u32,
     // Of deforming meshes its place among the positions that the caller writes.
     source: u32,
 }
 
-struct Mask {
+// A record.
+struct DpMask {
     // First word of its alphas: four bytes a word, rows begin with a word of their own.
     first: u32,
     // Width in bits 0-15, height in bits 16-31, in texels.
@@ -21,47 +22,50 @@ struct Mask {
     address_modes: u32,
 }
 
-@group(1) @binding(0) var<storage, read> mask_vertices: array<MaskVertex>;
-// Masks, four words each, and the alphas of their textures.
-@group(1) @binding(1) var<storage, read> mask_words: array<u32>;
+const DP_REPEAT: u32 = 1u;
+const DP_MIRROR_REPEAT: u32 = 2u;
 
-const CLAMP_TO_EDGE: u32 = 0u;
-const REPEAT: u32 = 1u;
-const MIRROR_REPEAT: u32 = 2u;
-
-fn mask_at(first: u32) -> Mask {
-    let cutoff = bitcast<f32>(mask_words[first + 2u]);
-    return Mask(mask_words[first], mask_words[first + 1u], cutoff, mask_words[first + 3u]);
+fn dp_mask_vertex(place: u32) -> DpMaskVertex {
+    let record = dp_meshes[place];
+    return DpMaskVertex(bitcast<vec2<f32>>(record.xy), record.z, record.w);
 }
 
-fn is_hole(mask: Mask, coordinates: vec2<f32>) -> bool {
+fn dp_mask(place: u32) -> DpMask {
+    let record = dp_meshes[place];
+    return DpMask(record.x, record.y, bitcast<f32>(record.z), record.w);
+}
+
+// Whether the triangle of three vertices has a hole where these are its corners' shares.
+fn dp_is_hole(a: DpMaskVertex, b: DpMaskVertex, c: DpMaskVertex, shares: vec3<f32>) -> bool {
+    let coordinates = a.coordinates * shares.x + b.coordinates * shares.y + c.coordinates * shares.z;
+    let mask = dp_mask(a.mask);
     let modes = vec2<u32>(mask.address_modes & 3u, mask.address_modes >> 2u);
     let size = vec2<i32>(vec2<u32>(mask.size & 0xffffu, mask.size >> 16u));
-    let inside = vec2<f32>(one_period(coordinates.x, modes.x), one_period(coordinates.y, modes.y));
+    let inside = vec2<f32>(dp_one_period(coordinates.x, modes.x), dp_one_period(coordinates.y, modes.y));
     let at = inside * vec2<f32>(size) - 0.5;
     let low = floor(at);
-    let left = texel_place(i32(low.x), size.x, modes.x);
-    let right = texel_place(i32(low.x) + 1, size.x, modes.x);
-    let above = texel_place(i32(low.y), size.y, modes.y);
-    let below = texel_place(i32(low.y) + 1, size.y, modes.y);
+    let left = dp_mask_texel(i32(low.x), size.x, modes.x);
+    let right = dp_mask_texel(i32(low.x) + 1, size.x, modes.x);
+    let above = dp_mask_texel(i32(low.y), size.y, modes.y);
+    let below = dp_mask_texel(i32(low.y) + 1, size.y, modes.y);
     let share = at - low;
-    let upper = between(alpha(mask, left, above), alpha(mask, right, above), share.x);
-    let lower = between(alpha(mask, left, below), alpha(mask, right, below), share.x);
-    return between(upper, lower, share.y) < mask.cutoff;
+    let upper = dp_between(dp_alpha(mask, left, above), dp_alpha(mask, right, above), share.x);
+    let lower = dp_between(dp_alpha(mask, left, below), dp_alpha(mask, right, below), share.x);
+    return dp_between(upper, lower, share.y) < mask.cutoff;
 }
 
 // Keeps the bits of `a` where `b` is the same, so that an even alpha is on one side of the cutoff.
-fn between(a: f32, b: f32, share: f32) -> f32 {
+fn dp_between(a: f32, b: f32, share: f32) -> f32 {
     return a + (b - a) * share;
 }
 
 // A coordinate of the same texel within what the texture repeats after, so that it fits an integer.
-fn one_period(coordinate: f32, mode: u32) -> f32 {
+fn dp_one_period(coordinate: f32, mode: u32) -> f32 {
     switch mode {
-        case REPEAT: {
+        case DP_REPEAT: {
             return coordinate - floor(coordinate);
         }
-        case MIRROR_REPEAT: {
+        case DP_MIRROR_REPEAT: {
             return coordinate - 2.0 * floor(0.5 * coordinate);
         }
         default: {
@@ -71,12 +75,12 @@ fn one_period(coordinate: f32, mode: u32) -> f32 {
 }
 
 // The texel at a place up to one past the period.
-fn texel_place(place: i32, size: i32, mode: u32) -> u32 {
+fn dp_mask_texel(place: i32, size: i32, mode: u32) -> u32 {
     switch mode {
-        case REPEAT: {
+        case DP_REPEAT: {
             return u32((place + size) % size);
         }
-        case MIRROR_REPEAT: {
+        case DP_MIRROR_REPEAT: {
             return u32(clamp(select(place, 2 * size - 1 - place, place >= size), 0, size - 1));
         }
         default: {
@@ -86,13 +90,9 @@ fn texel_place(place: i32, size: i32, mode: u32) -> u32 {
 }
 
 // Alpha of a texel, in 255ths.
-fn alpha(mask: Mask, column: u32, row: u32) -> f32 {
+fn dp_alpha(mask: DpMask, column: u32, row: u32) -> f32 {
     let words = ((mask.size & 0xffffu) + 3u) / 4u;
-    let word = mask_words[mask.first + row * words + column / 4u];
+    let place = mask.first + row * words + column / 4u;
+    let word = dp_meshes[place / 4u][place % 4u];
     return f32((word >> (8u * (column % 4u))) & 0xffu);
-}
-
-// Texture coordinates by the weights of three vertices.
-fn weighted_coordinates(a: MaskVertex, b: MaskVertex, c: MaskVertex, weights: vec3<f32>) -> vec2<f32> {
-    return vec2<f32>(a.u, a.v) * weights.x + vec2<f32>(b.u, b.v) * weights.y + vec2<f32>(c.u, c.v) * weights.z;
 }

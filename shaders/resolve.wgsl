@@ -151,14 +151,14 @@ fn is_in_hole(source: ChunkSource, local: vec3<u32>, triangle: Triangle, q: vec3
     if (kind(source) & KIND_MASKED) == 0u {
         return false;
     }
-    let a = mask_vertices[vertices[source.vertex + local.x].data];
-    let b = mask_vertices[vertices[source.vertex + local.y].data];
-    let c = mask_vertices[vertices[source.vertex + local.z].data];
+    let a = dp_mask_vertex(vertices[source.vertex + local.x].data);
+    let b = dp_mask_vertex(vertices[source.vertex + local.y].data);
+    let c = dp_mask_vertex(vertices[source.vertex + local.z].data);
     let shares = max(
         vec3<f32>(dot(triangle.e1, q), dot(triangle.e2, q), dot(triangle.e0, q)),
         vec3<f32>(0.0),
     );
     let sum = shares.x + shares.y + shares.z;
     let weights = select(vec3<f32>(1.0, 0.0, 0.0), shares / sum, sum > 0.0);
-    return is_hole(mask_at(a.mask), weighted_coordinates(a, b, c, weights));
+    return dp_is_hole(a, b, c, weights);
 }

@@ -7,7 +7,7 @@
 @group(0) @binding(3) var<storage, read_write> chunk_bounds: array<ChunkBounds>;
 // Three rows a matrix.
 @group(0) @binding(4) var<storage, read> transforms: array<vec4<f32>>;
-// A chunk and the number of its matrix.
+// The number of the casters' update, then for each job a chunk and the number of its matrix.
 @group(0) @binding(5) var<storage, read> jobs: array<vec2<u32>>;
 
 const THREADS: u32 = 64u;
@@ -23,7 +23,7 @@ fn transform(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    for (var job = group.x; job < arrayLength(&jobs); job += groups.x) {
+    for (var job = group.x + 1u; job < arrayLength(&jobs); job += groups.x) {
         transform_chunk(jobs[job].x, jobs[job].y, thread);
         workgroupBarrier();
     }
@@ -79,6 +79,7 @@ fn transform_chunk(chunk: u32, matrix: u32, thread: u32) {
             0u,
             normals.xyz,
             normals.w,
+            vec4<u32>(source.vertex, source.record, jobs[0].x, kind(source)),
         );
     }
 }

@@ -54,7 +54,8 @@ impl Arena {
         self.pending.write(u64::from(first) * self.stride, bytes);
     }
 
-    /// Makes room for `length` elements, or gives room back, and does the writes that wait, but for those past `length`.
+    /// Makes room for `length` elements, or gives room back, and does the writes that wait. What lies past the buffer's end
+    /// is gone, and all zeros should it grow again.
     pub(crate) fn update(
         &mut self,
         device: &wgpu::Device,
@@ -63,7 +64,7 @@ impl Arena {
         length: u32,
     ) {
         self.resize(device, encoder, length);
-        let (bytes, copies) = std::mem::take(&mut self.pending).up_to(u64::from(length) * self.stride);
+        let (bytes, copies) = std::mem::take(&mut self.pending).up_to(self.buffer.size());
         if bytes.is_empty() {
             return;
         }

@@ -8,8 +8,9 @@ use crate::arena::Arena;
 use crate::chunks::{self, Bounds, Chunk, Culling, Vertex};
 use crate::cone::Cone;
 use crate::deform::{Deformed, Positions};
+use crate::lookup::SurfaceGroup;
 use crate::mask::{Mask, MaskedMesh, Masks};
-use crate::neighbours::Beyond;
+use crate::mesh_records::MeshRecords;
 use crate::ranges::Ranges;
 use crate::slots::{Handle, Slots};
 use crate::transform::{Moved, Transform};
@@ -90,6 +91,8 @@ struct Mesh {
     vertex_count: u32,
     first_triangle: u32,
     triangle_count: u32,
+    /// The first of its triangles among the mesh records.
+    first_record: u32,
     chunks: Vec<Chunk>,
     bounds: Bounds,
     instances: usize,
@@ -133,7 +136,8 @@ pub(crate) struct ChunkSource {
     /// Vertices in bits 0-8, triangles in bits 9-17, culling in bits 18-19, kind in bits 20-21.
     pub(crate) counts: u32,
     pub(crate) pieces_min: Vec3,
-    pub(crate) padding: u32,
+    /// The first of its triangles among the mesh records.
+    pub(crate) record: u32,
     pub(crate) pieces_max: Vec3,
     pub(crate) normals: Cone,
 }
@@ -176,7 +180,7 @@ const REMEMBERED_CHANGES: usize = 1 << 16;
 pub(crate) const VERTEX_SIZE: u64 = size_of::<Vertex>() as u64;
 
 /// Bytes of `ChunkBounds` in `shaders/casters.wgsl`.
-const CHUNK_BOUNDS_SIZE: u64 = 80;
+const CHUNK_BOUNDS_SIZE: u64 = 96;
 
 /// The shadow casters of a scene. Shared by any number of [`PointShadows`](crate::PointShadows).
 ///
@@ -197,13 +201,15 @@ pub struct Casters {
     first_change: u64,
     pub(crate) local_vertices: Arena,
     pub(crate) triangles: Arena,
-    /// What lies beyond the three edges of each of `triangles`.
-    pub(crate) neighbours: Arena,
+    pub(crate) records: MeshRecords,
     pub(crate) vertices: Arena,
     pub(crate) chunk_sources: Arena,
     pub(crate) chunk_bounds: Arena,
     masks: Masks,
     transform: Transform,
+    /// Counts the updates from 1 on. Each chunk has the number of the one that brought or moved it, 0 once it is gone.
+    updates: u32,
+    surface: SurfaceGroup,
     limits: wgpu::Limits,
 }
 
@@ -213,6 +219,10 @@ impl Casters {
     pub fn new(device: &wgpu::Device) -> Self {
         let storage = wgpu::BufferUsages::STORAGE;
         let arena = |what, stride, extra| Arena::new(device, what, stride, storage | extra);
+        let records = MeshRecords::new(device);
+        let vertices = arena("vertices", VERTEX_SIZE, wgpu::BufferUsages::VERTEX);
+        let chunk_bounds = arena("chunk bounds", CHUNK_BOUNDS_SIZE, wgpu::BufferUsages::empty());
+        let surface = SurfaceGroup::new(device, [&chunk_bounds, records.arena(), &vertices]);
         Self {
             meshes: Slots::new("mesh", "Casters"),
             instances: Slots::new("instance", "Casters"),
@@ -226,12 +236,14 @@ impl Casters {
             first_change: 0,
             local_vertices: arena("mesh vertices", VERTEX_SIZE, wgpu::BufferUsages::empty()),
             triangles: arena("triangles", 4, wgpu::BufferUsages::empty()),
-            neighbours: arena("neighbours", size_of::<[Beyond; 3]>() as u64, wgpu::BufferUsages::empty()),
-            vertices: arena("vertices", VERTEX_SIZE, wgpu::BufferUsages::VERTEX),
+            records,
+            vertices,
             chunk_sources: arena("chunks", size_of::<ChunkSource>() as u64, wgpu::BufferUsages::empty()),
-            chunk_bounds: arena("chunk bounds", CHUNK_BOUNDS_SIZE, wgpu::BufferUsages::empty()),
-            masks: Masks::new(device),
+            chunk_bounds,
+            masks: Masks::default(),
             transform: Transform::new(device),
+            updates: 0,
+            surface,
             limits: device.limits(),
         }
     }
@@ -251,18 +263,27 @@ impl Casters {
     /// Bytes that the casters take on the GPU.
     #[must_use]
     pub fn memory(&self) -> u64 {
-        self.arenas().map(Arena::size).sum()
+        self.arenas().map(Arena::size).into_iter().sum()
     }
 
-    fn arenas(&self) -> impl Iterator<Item = &Arena> {
-        let Self { local_vertices, triangles, neighbours, vertices, chunk_sources, chunk_bounds, .. } = self;
-        let own = [local_vertices, triangles, neighbours, vertices, chunk_sources, chunk_bounds];
-        own.into_iter().chain(self.masks.arenas())
+    fn arenas(&self) -> [&Arena; 6] {
+        let Self { local_vertices, triangles, records, vertices, chunk_sources, chunk_bounds, .. } = self;
+        [local_vertices, triangles, records.arena(), vertices, chunk_sources, chunk_bounds]
     }
 
-    /// What `shaders/mask.wgsl` reads.
-    pub(crate) fn mask_buffers(&self) -> [&wgpu::Buffer; 2] {
-        self.masks.arenas().map(Arena::buffer)
+    /// Layout of [`Self::bind_group`], for the pipeline layouts of passes that look shadows up. Three storage buffers. The
+    /// layouts of all stores of a device are alike.
+    #[must_use]
+    pub fn bind_group_layout(&self) -> &wgpu::BindGroupLayout {
+        self.surface.layout()
+    }
+
+    /// The triangles, as the text of [`wgsl::lookup`](crate::wgsl::lookup) reads them, for all
+    /// [`PointShadows`](crate::PointShadows) that show them. To be asked for after each
+    /// [`PointShadows::record`](crate::PointShadows::record): it is another one when the store has grown or shrunk.
+    #[must_use]
+    pub fn bind_group(&self) -> &wgpu::BindGroup {
+        self.surface.bind_group()
     }
 
     /// Adds a mesh; it casts once it has instances. Takes time in proportion to its triangles: they are welded by
@@ -279,22 +300,22 @@ impl Casters {
         let (vertices, triangles) = (cut.vertices.len() as u32, cut.triangles.len() as u32);
         self.local_vertices.check(self.local_ranges.end_after(vertices))?;
         self.triangles.check(self.triangle_ranges.end_after(triangles))?;
-        self.neighbours.check(self.triangle_ranges.end_after(triangles))?;
-        if let Some(mask) = &mesh.mask {
-            self.masks.check(mask, vertices)?;
-        }
+        let masked = mesh.mask.as_ref().map_or(0, |mask| self.masks.records(mask, vertices));
+        self.records.check(u64::from(triangles) + masked)?;
+        let first_record = self.records.add(&cut.records);
         let mask = mesh.mask.as_ref();
-        let mask = mask.map(|mask| self.masks.add(mask, &cut.texture_coordinates, &mut cut.vertices));
+        let mask =
+            mask.map(|mask| self.masks.add(&mut self.records, mask, &cut.texture_coordinates, &mut cut.vertices));
         let first_vertex = self.local_ranges.allocate(vertices);
         let first_triangle = self.triangle_ranges.allocate(triangles);
         self.local_vertices.write(first_vertex, bytemuck::cast_slice(&cut.vertices));
         self.triangles.write(first_triangle, bytemuck::cast_slice(&cut.triangles));
-        self.neighbours.write(first_triangle, bytemuck::cast_slice(&cut.neighbours));
         let mesh = Mesh {
             first_vertex,
             vertex_count: vertices,
             first_triangle,
             triangle_count: triangles,
+            first_record,
             chunks: cut.chunks,
             bounds: cut.bounds,
             instances: 0,
@@ -315,8 +336,9 @@ impl Casters {
         }
         self.local_ranges.release(mesh.first_vertex, mesh.vertex_count);
         self.triangle_ranges.release(mesh.first_triangle, mesh.triangle_count);
+        self.records.release(mesh.first_record, mesh.triangle_count);
         if let Some(mask) = &mesh.mask {
-            self.masks.remove(mask);
+            self.masks.remove(&mut self.records, mask);
         }
         self.meshes.remove(id.0)?;
         Ok(())
@@ -458,6 +480,8 @@ impl Casters {
         self.chunk_ranges.release(first_chunk, chunk_count);
         let none: ChunkSource = bytemuck::Zeroable::zeroed();
         self.chunk_sources.write(first_chunk, bytemuck::cast_slice(&vec![none; chunk_count as usize]));
+        // Maps that still show them have to find them gone.
+        self.chunk_bounds.write(first_chunk, &vec![0; (CHUNK_BOUNDS_SIZE * u64::from(chunk_count)) as usize]);
         self.instances.remove(id.0)?;
         self.note(Change::new(bounds, Bounds::EMPTY, moving));
         Ok(())
@@ -494,35 +518,42 @@ impl Casters {
 
     /// Changes whenever a buffer was replaced, so that bind groups have to be made anew.
     pub(crate) fn generation(&self) -> u64 {
-        self.arenas().map(Arena::generation).sum()
+        self.arenas().map(Arena::generation).into_iter().sum()
+    }
+
+    /// Number of the last update, by which chunks say when they changed.
+    pub(crate) fn updates(&self) -> u32 {
+        self.updates
     }
 
     /// Brings the GPU's copy up to date: grows or shrinks buffers, writes what was added, transforms what moved.
     pub(crate) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
+        self.updates = self.updates.saturating_add(1);
         let (local, triangles) = (self.local_ranges.end(), self.triangle_ranges.end());
         let (vertices, chunks) = (self.vertex_ranges.end(), self.chunk_ranges.end());
         self.local_vertices.update(device, queue, encoder, local);
         self.triangles.update(device, queue, encoder, triangles);
-        self.neighbours.update(device, queue, encoder, triangles);
+        self.records.update(device, queue, encoder);
         self.vertices.update(device, queue, encoder, vertices);
         self.chunk_sources.update(device, queue, encoder, chunks);
         self.chunk_bounds.update(device, queue, encoder, chunks);
-        self.masks.update(device, queue, encoder);
+        self.masks.update(device, encoder, &self.records);
+        self.surface.update(device, [&self.chunk_bounds, self.records.arena(), &self.vertices]);
         let (moved, deformed) = self.take_moved();
         let arenas = [&self.local_vertices, &self.vertices, &self.chunk_sources, &self.chunk_bounds];
         let buffers = arenas.map(Arena::buffer);
-        if !moved.chunks.is_empty() {
+        if moved.count() > 0 {
             self.transform.record(device, queue, encoder, buffers, &moved);
         }
-        let [mask_vertices, ..] = self.masks.arenas().map(Arena::buffer);
+        let records = self.records.arena().buffer();
         for (positions, moved) in deformed {
-            self.transform.record_deformed(device, queue, encoder, buffers, &moved, &positions, mask_vertices);
+            self.transform.record_deformed(device, queue, encoder, buffers, &moved, &positions, records);
         }
     }
 
     /// What has to be transformed: with their meshes' positions, and each deformed instance.
     fn take_moved(&mut self) -> (Moved, Vec<(Positions, Moved)>) {
-        let (mut moved, mut deformed) = (Moved::default(), Vec::new());
+        let (mut moved, mut deformed) = (Moved::new(self.updates), Vec::new());
         for handle in std::mem::take(&mut self.moved) {
             let Ok(instance) = self.instances.get_mut(handle) else {
                 continue;
@@ -536,7 +567,7 @@ impl Casters {
             let transform = rows(&instance.transform);
             match &instance.deformed {
                 Some((positions, _)) => {
-                    let mut own = Moved::default();
+                    let mut own = Moved::new(self.updates);
                     own.push(chunks, transform);
                     deformed.push((positions.clone(), own));
                 }
@@ -582,7 +613,7 @@ fn chunk_source(mesh: &Mesh, chunk: &Chunk, instance: &Instance) -> ChunkSource 
         triangle: mesh.first_triangle + chunk.first_triangle,
         counts: chunk.vertex_count | chunk.triangle_count << 9 | culling << 18 | kind << 20,
         pieces_min: pieces.min,
-        padding: 0,
+        record: mesh.first_record + chunk.first_triangle,
         pieces_max: pieces.max,
         normals: chunk.normals,
     }

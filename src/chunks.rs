@@ -72,6 +72,15 @@ pub(crate) struct Vertex {
     pub(crate) data: u32,
 }
 
+/// A triangle as lookups read it, a mesh record: its corners, and what lies beyond its edges, from its first corner to its
+/// second one on.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct TriangleRecord {
+    pub(crate) corners: u32,
+    pub(crate) beyond: [Beyond; 3],
+}
+
 /// A mesh cut into chunks.
 #[derive(Debug)]
 pub(crate) struct ChunkedMesh {
@@ -81,8 +90,8 @@ pub(crate) struct ChunkedMesh {
     pub(crate) texture_coordinates: Vec<[f32; 2]>,
     /// A triangle's corners as places in its chunk's run of vertices: bits 0-7, 8-15, 16-23.
     pub(crate) triangles: Vec<u32>,
-    /// What lies beyond each edge of a triangle, from its first corner to its second one on.
-    pub(crate) neighbours: Vec<[Beyond; 3]>,
+    /// The triangles with their neighbours.
+    pub(crate) records: Vec<TriangleRecord>,
     /// The triangles' numbers in the mesh.
     pub(crate) numbers: Vec<u32>,
     pub(crate) chunks: Vec<Chunk>,
@@ -127,7 +136,7 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
             vertices: Vec::new(),
             texture_coordinates: Vec::new(),
             triangles: Vec::new(),
-            neighbours: Vec::new(),
+            records: Vec::new(),
             numbers: Vec::new(),
             chunks: Vec::new(),
             bounds: Bounds::EMPTY,
@@ -463,10 +472,12 @@ impl Cutter<'_> {
                 places[triangle as usize] = (number, place);
             }
         }
-        out.neighbours.reserve_exact(out.triangles.len());
+        out.records.reserve_exact(out.triangles.len());
         for (chunk, number) in out.chunks.iter().zip(0..) {
-            for (&triangle, &turned) in out.numbers[own(chunk)].iter().zip(&self.turned[own(chunk)]) {
-                out.neighbours.push(neighbours.beyond(triangle, turned, number, |triangle| places[triangle]));
+            for at in own(chunk) {
+                let (triangle, turned) = (out.numbers[at], self.turned[at]);
+                let beyond = neighbours.beyond(triangle, turned, number, |triangle| places[triangle]);
+                out.records.push(TriangleRecord { corners: out.triangles[at], beyond });
             }
         }
     }

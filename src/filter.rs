@@ -2,21 +2,21 @@
 
 use crate::Error;
 
-/// How the lookup `dp_shadow_filtered` softens the edges of a light's shadows. `dp_shadow` is always
-/// [`Filter::Bilinear`].
+/// How the lookup `dp_shadow_filtered` softens the edges of a light's shadows. `dp_shadow` is always [`Filter::Sharp`].
 ///
-/// The first four are as wide as texels are: they smooth the steps that the resolution makes, and their width in the
-/// scene varies with it and, twofold, from the axis of a hemisphere to its rim. The other two have a width of their own,
-/// the same in every direction, up to 20 degrees as seen from the light and across the join of the hemispheres.
+/// The first two ask the casters' triangles. Those of 3 x 3 and 5 x 5 texels are as wide as texels are: their width in the
+/// scene varies with the resolution and, twofold, from the axis of a hemisphere to its rim. The other two have a width of
+/// their own, the same in every direction, up to 20 degrees as seen from the light and across the join of the hemispheres.
 ///
 /// With [`Coverage::Hemisphere`](crate::Coverage::Hemisphere) everything behind counts as dark.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Filter {
-    /// Light or darkness and nothing between: what [`Filter::Bilinear`] is nearer to.
-    Hard,
-    /// Four texels, one gather: the least that a lookup costs.
+    /// The casters' own edges, smooth over the pixel that the lookup is given: the least that a lookup costs. Four texels, one
+    /// gather; where they disagree, a second one and the triangles that they show.
     #[default]
-    Bilinear,
+    Sharp,
+    /// [`Filter::Sharp`] at the pixel's middle, for light or darkness and nothing between.
+    Hard,
     /// The mean over 3 x 3 texels, four gathers.
     Pcf3,
     /// The mean over 5 x 5 texels, nine gathers. Wants a [guard band](crate::PointShadowsDescriptor::guard) of 4 texels
@@ -31,7 +31,7 @@ pub enum Filter {
         taps: u32,
     },
     /// The share of a sphere around the light that the receiver sees: sharp at contacts and softer with the distance
-    /// between caster and receiver. What stands so near the light that its penumbra would be wider than 20 degrees to
+    /// between caster and receiver, as sharp as [`Filter::Sharp`] where penumbras are narrower than a texel. What stands so near the light that its penumbra would be wider than 20 degrees to
     /// each side throws one of 20.
     ///
     /// After Fernando, *Percentage-closer soft shadows* (2005): a search for what stands before the sphere, and a disc
@@ -88,7 +88,7 @@ impl Filter {
                 return wrong("filter's light radius", light_radius.to_string(), "it must be finite and 0 or more");
             }
             Self::Disc { taps, .. } | Self::Soft { taps, .. } => taps,
-            Self::Hard | Self::Bilinear | Self::Pcf3 | Self::Pcf5 => 1,
+            Self::Hard | Self::Sharp | Self::Pcf3 | Self::Pcf5 => 1,
         };
         if !(1..=Self::MOST_TAPS).contains(&taps) {
             return wrong("filter's number of taps", taps.to_string(), "it must be 1 to 256");
@@ -98,7 +98,7 @@ impl Filter {
 
     pub(crate) fn record(&self) -> FilterRecord {
         let (kind, size, taps) = match *self {
-            Self::Bilinear => (0, 0.0, 0),
+            Self::Sharp => (0, 0.0, 0),
             Self::Hard => (1, 0.0, 0),
             Self::Pcf3 => (2, 0.0, 0),
             Self::Pcf5 => (3, 0.0, 0),

@@ -82,6 +82,7 @@ mod light;
 mod lookup;
 mod maps;
 mod mask;
+mod mesh_records;
 mod neighbours;
 mod number;
 pub mod paraboloid;

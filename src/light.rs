@@ -32,12 +32,17 @@ pub struct PointLight {
     pub near: f32,
     /// Both hemispheres, or one.
     pub coverage: Coverage,
+    /// How far a receiver may lie from the surface of the casters that it belongs to, along its normal. World units, finite,
+    /// 0 or more; 0 where the renderer draws the very triangles that cast. What stands before a receiver by more than this
+    /// shadows it, so it is for shadow proxies, coarser levels of detail, displaced or tessellated surfaces, positions from
+    /// a depth buffer, or skinning in other arithmetic: their greatest deviation.
+    pub receiver_offset: f32,
     /// How soft the shadows are that `dp_shadow_filtered` finds. Changing it alone makes no map anew.
     pub filter: Filter,
 }
 
 impl Default for PointLight {
-    /// At the origin, unturned, from 0.01 to 20 world units, in all directions, unfiltered.
+    /// At the origin, unturned, from 0.01 to 20 world units, in all directions, for receivers that cast, sharp.
     fn default() -> Self {
         Self {
             position: Vec3::ZERO,
@@ -45,6 +50,7 @@ impl Default for PointLight {
             range: 20.0,
             near: 0.01,
             coverage: Coverage::Full,
+            receiver_offset: 0.0,
             filter: Filter::default(),
         }
     }
@@ -69,6 +75,9 @@ impl PointLight {
         }
         if self.near >= self.range {
             return wrong("near distance", self.near.to_string(), "it must be below the range");
+        }
+        if !(self.receiver_offset.is_finite() && self.receiver_offset >= 0.0) {
+            return wrong("receiver offset", self.receiver_offset.to_string(), "it must be finite and 0 or more");
         }
         self.filter.validate()
     }

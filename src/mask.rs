@@ -1,12 +1,11 @@
 //! Masks: the textures that cut holes into casters, as bytes of alpha on the GPU (`shaders/mask.wgsl`).
 //!
-//! All masks lie in one buffer, so that one pipeline handles any number of them.
+//! All masks lie in one buffer, the mesh records, so that one pipeline handles any number of them.
 
 use crate::Error;
-use crate::arena::Arena;
 use crate::chunks::Vertex;
 use crate::gpu::{self, Binding};
-use crate::ranges::Ranges;
+use crate::mesh_records::{MeshRecords, RECORD_WORDS};
 use std::collections::HashMap;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
@@ -68,21 +67,22 @@ impl Mask<'_> {
     }
 }
 
-/// What a vertex of a masked mesh has beside its position; twin of `MaskVertex`.
+/// What a vertex of a masked mesh has beside its position, a mesh record; twin of `DpMaskVertex`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 struct MaskVertex {
     coordinates: [f32; 2],
+    /// Record of its mask.
     mask: u32,
     /// Of deforming meshes the vertex's place among the positions that the caller writes.
     source: u32,
 }
 
-/// A mask on the GPU; twin of `Mask` in the shader.
+/// A mask on the GPU, a mesh record; twin of `DpMask`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 struct MaskRecord {
-    /// First word of its alphas.
+    /// First word of its alphas, in the buffer of the records.
     first: u32,
     /// Width in bits 0-15, height in bits 16-31.
     size: u32,
@@ -91,8 +91,6 @@ struct MaskRecord {
     /// Across in bits 0-1, down in bits 2-3.
     address_modes: u32,
 }
-
-const RECORD_WORDS: u32 = (size_of::<MaskRecord>() / 4) as u32;
 
 /// What the masks keep of a mesh.
 #[derive(Debug)]
@@ -105,18 +103,14 @@ pub(crate) struct MaskedMesh {
 /// A texture's alphas.
 #[derive(Debug)]
 struct AlphaCopy {
+    /// First record.
     first: u32,
     meshes: usize,
 }
 
 /// The masks of all meshes.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Masks {
-    vertices: Arena,
-    /// Records, of four words each, and alphas.
-    words: Arena,
-    vertex_ranges: Ranges,
-    word_ranges: Ranges,
     copies: HashMap<wgpu::Texture, AlphaCopy>,
     /// Textures that aren't copied yet.
     waiting: Vec<wgpu::Texture>,
@@ -124,37 +118,24 @@ pub(crate) struct Masks {
 }
 
 impl Masks {
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let arena = |what, stride| Arena::new(device, what, stride, wgpu::BufferUsages::STORAGE);
-        Self {
-            vertices: arena("mask vertices", size_of::<MaskVertex>() as u64),
-            words: arena("masks", 4),
-            vertex_ranges: Ranges::default(),
-            word_ranges: Ranges::default(),
-            copies: HashMap::new(),
-            waiting: Vec::new(),
-            pipeline: None,
-        }
-    }
-
-    pub(crate) fn arenas(&self) -> [&Arena; 2] {
-        [&self.vertices, &self.words]
-    }
-
-    /// Whether there is room for a mesh of so many vertices with this mask.
-    pub(crate) fn check(&self, mask: &Mask, vertices: u32) -> Result<(), Error> {
-        self.vertices.check(self.vertex_ranges.end_after(vertices))?;
+    /// Records that a mesh of so many vertices takes for this mask.
+    pub(crate) fn records(&self, mask: &Mask, vertices: u32) -> u64 {
         let shared = self.copies.contains_key(mask.texture);
-        let alphas = if shared { 0 } else { words(mask.texture) };
-        self.words.check(self.word_ranges.end_after(alphas) + u64::from(RECORD_WORDS))
+        u64::from(vertices) + 1 + if shared { 0 } else { u64::from(alpha_records(mask.texture)) }
     }
 
     /// Adds a mask with the coordinates of a mesh's vertices, and has each vertex say where its own are.
-    pub(crate) fn add(&mut self, mask: &Mask, coordinates: &[[f32; 2]], vertices: &mut [Vertex]) -> MaskedMesh {
+    pub(crate) fn add(
+        &mut self,
+        records: &mut MeshRecords,
+        mask: &Mask,
+        coordinates: &[[f32; 2]],
+        vertices: &mut [Vertex],
+    ) -> MaskedMesh {
         let texture = mask.texture;
         let copy = self.copies.entry(texture.clone()).or_insert_with(|| {
             self.waiting.push(texture.clone());
-            AlphaCopy { first: self.word_ranges.allocate(words(texture)), meshes: 0 }
+            AlphaCopy { first: records.allocate(alpha_records(texture)), meshes: 0 }
         });
         copy.meshes += 1;
         let mode = |mode| match mode {
@@ -162,16 +143,14 @@ impl Masks {
             wgpu::AddressMode::MirrorRepeat => 2,
             wgpu::AddressMode::ClampToEdge | wgpu::AddressMode::ClampToBorder => 0,
         };
-        let record = self.word_ranges.allocate(RECORD_WORDS);
-        let contents = MaskRecord {
-            first: copy.first,
+        let record = records.add(&[MaskRecord {
+            first: copy.first * RECORD_WORDS,
             size: texture.width() | texture.height() << 16,
             cutoff: Mask::byte_cutoff(mask.cutoff),
             address_modes: mode(mask.address_modes[0]) | mode(mask.address_modes[1]) << 2,
-        };
-        self.words.write(record, bytemuck::bytes_of(&contents));
+        }]);
         let count = vertices.len() as u32;
-        let first = self.vertex_ranges.allocate(count);
+        let first = records.allocate(count);
         let numbered = vertices.iter_mut().zip(coordinates).zip(first..);
         let masked: Vec<MaskVertex> = numbered
             .map(|((vertex, &coordinates), place)| {
@@ -179,41 +158,39 @@ impl Masks {
                 MaskVertex { coordinates, mask: record, source }
             })
             .collect();
-        self.vertices.write(first, bytemuck::cast_slice(&masked));
+        records.write(first, &masked);
         MaskedMesh { record, vertices: first..first + count, texture: texture.clone() }
     }
 
-    pub(crate) fn remove(&mut self, mesh: &MaskedMesh) {
-        self.word_ranges.release(mesh.record, RECORD_WORDS);
-        self.vertex_ranges.release(mesh.vertices.start, mesh.vertices.len() as u32);
+    pub(crate) fn remove(&mut self, records: &mut MeshRecords, mesh: &MaskedMesh) {
+        records.release(mesh.record, 1);
+        records.release(mesh.vertices.start, mesh.vertices.len() as u32);
         let Some(copy) = self.copies.get_mut(&mesh.texture) else { return };
         copy.meshes -= 1;
         if copy.meshes == 0 {
-            self.word_ranges.release(copy.first, words(&mesh.texture));
+            records.release(copy.first, alpha_records(&mesh.texture));
             self.copies.remove(&mesh.texture);
         }
     }
 
-    /// Brings the GPU's copy up to date.
-    pub(crate) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
-        self.vertices.update(device, queue, encoder, self.vertex_ranges.end());
-        self.words.update(device, queue, encoder, self.word_ranges.end());
+    /// Copies the alphas of textures that came.
+    pub(crate) fn update(&mut self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, records: &MeshRecords) {
         for texture in std::mem::take(&mut self.waiting) {
             let Some(copy) = self.copies.get(&texture) else { continue };
             let pipeline = self.pipeline.get_or_insert_with(|| copy_pipeline(device));
-            record_copy(device, encoder, pipeline, &texture, self.words.buffer(), copy.first);
+            record_copy(device, encoder, pipeline, &texture, records.arena().buffer(), copy.first * RECORD_WORDS);
         }
     }
 }
 
-/// Layout of what `shaders/mask.wgsl` reads.
+/// Layout of what `shaders/mask.wgsl` reads in the stages.
 pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    gpu::layout(device, "masks", wgpu::ShaderStages::COMPUTE, &[Binding::Read; 2])
+    gpu::layout(device, "masks", wgpu::ShaderStages::COMPUTE, &[Binding::Read])
 }
 
-/// Words that a texture's alphas take; rows begin with a word of their own.
-fn words(texture: &wgpu::Texture) -> u32 {
-    texture.width().div_ceil(4) * texture.height()
+/// Records that a texture's alphas take; rows begin with a word of their own.
+fn alpha_records(texture: &wgpu::Texture) -> u32 {
+    (texture.width().div_ceil(4) * texture.height()).div_ceil(RECORD_WORDS)
 }
 
 fn copy_pipeline(device: &wgpu::Device) -> wgpu::ComputePipeline {

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 
 /// What lies beyond an edge, as the shaders read it: bits 0-1 the edge's number in the neighbour, bit 2 whether the
 /// neighbour is wound the other way, bits 3-10 its place in its chunk, bits 11-31 its chunk less the triangle's own, signed.
-/// Twin of `beyond` in `shaders/walk.wgsl`.
+/// Twin of `beyond` in `shaders/exact.wgsl`.
 #[repr(transparent)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Beyond(pub(crate) u32);
@@ -324,7 +324,7 @@ mod tests {
             for triangle in chunk.first_triangle as usize..(chunk.first_triangle + chunk.triangle_count) as usize {
                 for edge in 0..3 {
                     let (from, to) = (corners(triangle)[edge], corners(triangle)[(edge + 1) % 3]);
-                    let across = match cut.neighbours[triangle][edge] {
+                    let across = match cut.records[triangle].beyond[edge] {
                         Beyond::NOTHING => Nothing,
                         Beyond::UNKNOWN => Unknown,
                         Beyond(bits) => {

@@ -51,7 +51,7 @@ impl Resolve {
             &workspace.numbers,
             &workspace.state,
         ];
-        let masks = casters.mask_buffers().map(wgpu::Buffer::as_entire_binding);
+        let masks = [casters.records.arena().buffer().as_entire_binding()];
         [
             gpu::bind_after_views(device, "resolve", &self.layout, views, &buffers),
             gpu::bind_group(device, "masks", &self.mask_layout, &masks),

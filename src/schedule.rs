@@ -27,7 +27,7 @@ pub(crate) struct Light {
     /// Whether there is a map of it at all.
     made: bool,
     /// Whether its filter has changed since its map was made.
-    refiltered: bool,
+    lookup_changed: bool,
 }
 
 /// A light whose map is made now.
@@ -40,13 +40,15 @@ pub(crate) struct Due {
 
 impl Light {
     pub(crate) fn new(light: PointLight) -> Self {
-        Self { light, stale: Stale::Everything, priority: 1.0, waiting: 0, made: false, refiltered: false }
+        Self { light, stale: Stale::Everything, priority: 1.0, waiting: 0, made: false, lookup_changed: false }
     }
 
-    /// Changes the light; its map is stale unless that changes nothing but the filter.
+    /// Changes the light; its map is stale unless that changes nothing but what lookups read.
     pub(crate) fn set(&mut self, light: PointLight) {
-        self.refiltered |= self.light.filter != light.filter;
-        if (PointLight { filter: light.filter, ..self.light }) != light {
+        let PointLight { filter, receiver_offset, .. } = light;
+        let same_map = PointLight { filter, receiver_offset, ..self.light } == light;
+        self.lookup_changed |= same_map && self.light != light;
+        if !same_map {
             self.stale = Stale::Everything;
         }
         self.light = light;
@@ -104,11 +106,11 @@ pub(crate) fn take(lights: &mut Slots<Light>, most: Option<u32>) -> Vec<Due> {
     due.collect()
 }
 
-/// Takes the lights whose filter alone has changed. Those whose maps wait get their filter with it.
-pub(crate) fn take_refiltered(lights: &mut Slots<Light>) -> Vec<(u32, PointLight)> {
-    let changed = lights.iter_mut().filter(|(_, entry)| entry.refiltered && entry.stale < Stale::Everything);
+/// Takes the lights of which nothing has changed but what lookups read. Those whose maps wait get it with them.
+pub(crate) fn take_lookup_changes(lights: &mut Slots<Light>) -> Vec<(u32, PointLight)> {
+    let changed = lights.iter_mut().filter(|(_, entry)| entry.lookup_changed && entry.stale < Stale::Everything);
     let taken = changed.map(|(layer, entry)| {
-        entry.refiltered = false;
+        entry.lookup_changed = false;
         (layer, entry.light)
     });
     taken.collect()

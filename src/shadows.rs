@@ -197,7 +197,7 @@ impl PointShadows {
             lights: Slots::new("light", "PointShadows"),
             removed: Vec::new(),
             seen: None,
-            lookup: Lookup::new(device, maps.depths()),
+            lookup: Lookup::new(device, &maps),
             maps,
             cull: Cull::new(device, projection, workgroups, reject, small),
             resolve: Resolve::new(device, projection, workgroups),
@@ -307,13 +307,13 @@ impl PointShadows {
         // What the hardware draws has straight edges.
         let bias = NORMAL_BIAS.max(if draw.is_some() { MapShape::chord_bias() } else { 0.0 });
         for layer in std::mem::take(&mut self.removed) {
-            self.lookup.set(layer, None, &self.shape, bias);
+            self.lookup.remove(layer);
         }
         for Due { layer, light, .. } in &due {
-            self.lookup.set(*layer, Some(light), &self.shape, bias);
+            self.lookup.set(*layer, light, &self.shape, bias, casters.updates());
         }
-        for (layer, light) in schedule::take_refiltered(&mut self.lights) {
-            self.lookup.set_filter(layer, &light);
+        for (layer, light) in schedule::take_lookup_changes(&mut self.lights) {
+            self.lookup.set_reading(layer, &light);
         }
         self.lookup.write(queue);
         if !due.is_empty() {
@@ -330,6 +330,9 @@ impl PointShadows {
             return;
         }
         let remembered = seen.filter(|(owner, _)| *owner == now.0).map(|(_, count)| count);
+        if remembered.is_none() {
+            self.lookup.forget_casters();
+        }
         let Some(changes) = remembered.and_then(|count| casters.changes_since(count)) else {
             self.lights.iter_mut().for_each(|(_, entry)| entry.outdate());
             return;
@@ -485,7 +488,7 @@ impl PointShadows {
         self.shape.angle_limit()
     }
 
-    /// What the text of [`wgsl::lookup`](crate::wgsl::lookup) reads. Stays the same object for ever.
+    /// The maps and lights, as the text of [`wgsl::lookup`](crate::wgsl::lookup) reads them. Stays the same object for ever.
     #[must_use]
     pub fn bind_group(&self) -> &wgpu::BindGroup {
         self.lookup.bind_group()
@@ -508,12 +511,6 @@ impl PointShadows {
     #[cfg(feature = "compare")]
     pub(crate) fn counters(&self) -> (&wgpu::Buffer, usize) {
         (&self.workspace.state, self.recorded)
-    }
-
-    /// The lights as the lookup reads them.
-    #[cfg(feature = "compare")]
-    pub(crate) fn light_records(&self) -> &wgpu::Buffer {
-        self.lookup.lights()
     }
 
     /// The maps' triangles, `R32Uint`, laid out as [`Self::maps`]: the chunk in bits 8-31 and the place in it in bits 0-7;

@@ -8,17 +8,28 @@ use std::ops::Range;
 const MOST_GROUPS: u32 = 16_384;
 
 /// What is transformed: each chunk with its transform's place, and the transforms, three rows each.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Moved {
-    pub(crate) chunks: Vec<[u32; 2]>,
+    /// The update's number in the first element, then the chunks.
+    jobs: Vec<[u32; 2]>,
     transforms: Vec<[[f32; 4]; 3]>,
 }
 
 impl Moved {
+    /// For the update of this number.
+    pub(crate) fn new(update: u32) -> Self {
+        Self { jobs: vec![[update, 0]], transforms: Vec::new() }
+    }
+
+    /// Number of chunks.
+    pub(crate) fn count(&self) -> u32 {
+        self.jobs.len() as u32 - 1
+    }
+
     /// Adds an instance's chunks.
     pub(crate) fn push(&mut self, chunks: Range<u32>, transform: [[f32; 4]; 3]) {
         let place = self.transforms.len() as u32;
-        self.chunks.extend(chunks.map(|chunk| [chunk, place]));
+        self.jobs.extend(chunks.map(|chunk| [chunk, place]));
         self.transforms.push(transform);
     }
 
@@ -27,7 +38,7 @@ impl Moved {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         [
             upload(device, queue, "transform::transforms", usage, bytemuck::cast_slice(&self.transforms)),
-            upload(device, queue, "transform::jobs", usage, bytemuck::cast_slice(&self.chunks)),
+            upload(device, queue, "transform::jobs", usage, bytemuck::cast_slice(&self.jobs)),
         ]
     }
 }
@@ -70,7 +81,7 @@ impl Transform {
         buffers: [&wgpu::Buffer; 4],
         moved: &Moved,
         positions: &Positions,
-        mask_vertices: &wgpu::Buffer,
+        mesh_records: &wgpu::Buffer,
     ) {
         let pipeline = self.deformed.get_or_insert_with(|| pipeline(device, crate::wgsl::transform_deformed()));
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
@@ -79,7 +90,7 @@ impl Transform {
         let mut resources = bindings(buffers, &uploads).to_vec();
         resources.extend([positions.binding(), spacing.as_entire_binding()]);
         let group = gpu::bind_group(device, "transform", &pipeline.get_bind_group_layout(0), &resources);
-        let masks = [mask_vertices.as_entire_binding()];
+        let masks = [mesh_records.as_entire_binding()];
         let masks = gpu::bind_group(device, "transform::masks", &pipeline.get_bind_group_layout(1), &masks);
         dispatch(encoder, pipeline, &[&group, &masks], moved);
     }
@@ -121,5 +132,5 @@ fn dispatch(
     for (number, group) in (0..).zip(groups) {
         pass.set_bind_group(number, *group, &[]);
     }
-    pass.dispatch_workgroups((moved.chunks.len() as u32).min(MOST_GROUPS), 1, 1);
+    pass.dispatch_workgroups(moved.count().min(MOST_GROUPS), 1, 1);
 }

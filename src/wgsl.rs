@@ -9,6 +9,8 @@ const REST: &str = include_str!("../shaders/rest.wgsl");
 const DEFORMED: &str = include_str!("../shaders/deformed.wgsl");
 const TRANSFORM: &str = include_str!("../shaders/transform.wgsl");
 const MASK: &str = include_str!("../shaders/mask.wgsl");
+/// What mask.wgsl reads, in the stages.
+const MESHES: &str = "@group(1) @binding(0) var<storage, read> dp_meshes: array<vec4<u32>>;\n";
 const MASK_COPY: &str = include_str!("../shaders/mask_copy.wgsl");
 const HEMISPHERE: &str = include_str!("../shaders/hemisphere.wgsl");
 /// The projection of the maps, with what it takes from the mapping.
@@ -23,37 +25,48 @@ const RESOLVE: &str = include_str!("../shaders/resolve.wgsl");
 const BIN: &str = include_str!("../shaders/bin.wgsl");
 const RASTERISE: &str = include_str!("../shaders/rasterise.wgsl");
 const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
-#[cfg(feature = "compare")]
-const WALK: &str = include_str!("../shaders/walk.wgsl");
+const EXACT: &str = include_str!("../shaders/exact.wgsl");
+const VOTES: &str = include_str!("../shaders/votes.wgsl");
 const FILTER: &str = include_str!("../shaders/filter.wgsl");
 
-/// WGSL to put before or after a renderer's own, for `dp_shadow(light, position, normal) -> f32` and the filters.
-/// `group` is the number under which the renderer sets
-/// [`PointShadows::bind_group`](crate::PointShadows::bind_group). Everything it declares begins with `dp_` or `Dp`, and
-/// it declares no other binding.
+/// WGSL to put before or after a renderer's own, for `dp_shadow(light, position, normal, pixel) -> f32` and the filters. `group`
+/// is the number under which the renderer sets [`PointShadows::bind_group`](crate::PointShadows::bind_group), `casters` that
+/// for [`Casters::bind_group`](crate::Casters::bind_group). Everything it declares begins with `dp_` or `Dp`, and it declares
+/// no other binding: two textures, a sampler and four storage buffers.
 ///
-/// All filters have the arguments `(light, position, normal, noise)`, of which `noise` in [0, 1] turns the spiral of
-/// those that take taps along one:
+/// | argument | |
+/// | --- | --- |
+/// | `light: u32` | [`LightId::index`](crate::LightId::index) |
+/// | `position: vec3<f32>` | a point of a surface, in world space |
+/// | `normal: vec3<f32>` | the normal of its triangle, not a shading normal; any length, either sign. In a fragment shader `cross(dpdx(position), dpdy(position))` |
+/// | `pixel: mat2x3<f32>` | the steps on that surface to the next pixels, over which edges are smooth: `dp_pixel(eye, position, normal, angle)` has them for a camera at `eye` of whose pixels each spans `angle` radians. All zeros for the point alone |
+///
+/// The answer is the share of the light that arrives, from 0 to 1. All filters have these arguments and `noise`, in [0, 1],
+/// which turns the spiral of those that take taps along one:
 ///
 /// | | |
 /// | --- | --- |
 /// | `dp_shadow_filtered` | the light's own [`Filter`](crate::Filter) |
 /// | `dp_shadow_hard`, `dp_shadow_pcf3`, `dp_shadow_pcf5` | a filter whatever the light's own |
 /// | `dp_shadow_disc`, `dp_shadow_soft` | the same with the light's own settings; `dp_shadow` if they are of another filter |
-/// | `dp_shadow_with` | has a last argument of the type `DpFilter(kind, size, taps)`, of the kind `DP_HARD`, `DP_BILINEAR`, `DP_PCF3`, `DP_PCF5`, `DP_DISC` or `DP_SOFT` |
+/// | `dp_shadow_with` | has a last argument of the type `DpFilter(kind, size, taps)`, of the kind `DP_SHARP`, `DP_HARD`, `DP_PCF3`, `DP_PCF5`, `DP_DISC` or `DP_SOFT` |
 ///
 /// All may be called anywhere: in loops over lights, in branches, in compute shaders.
 #[must_use]
-pub fn lookup(group: u32) -> String {
-    [PARABOLOID, &LOOKUP.replace("DP_GROUP", &group.to_string()), FILTER].concat()
+pub fn lookup(group: u32, casters: u32) -> String {
+    let exact = EXACT.replace("DP_CASTERS_GROUP", &casters.to_string()).replace("DP_GROUP", &group.to_string());
+    [PARABOLOID, &lights(group), MASK, &exact, FILTER].concat()
 }
 
-/// The lookup with `dp_walk_shadow(light, position, normal)`, which asks the triangles where texels disagree.
-#[cfg(feature = "compare")]
+/// [`lookup`] without the casters' triangles, for renderers that have a single storage buffer to spare: the same functions,
+/// with edges that are a texel wide, uncertain by as much, and dark where lit faces meet.
 #[must_use]
-pub(crate) fn walk(group: u32) -> String {
-    let walk = WALK.replace("DP_GROUP", &group.to_string());
-    [lookup(group).as_str(), &walk].concat()
+pub fn lookup_votes(group: u32) -> String {
+    [PARABOLOID, &lights(group), VOTES, FILTER].concat()
+}
+
+fn lights(group: u32) -> String {
+    LOOKUP.replace("DP_GROUP", &group.to_string())
 }
 
 /// WGSL to put before or after a vertex shader that draws casters of its own, for
@@ -76,7 +89,7 @@ pub(crate) fn transform() -> String {
 }
 
 pub(crate) fn transform_deformed() -> String {
-    [CASTERS, TRANSFORM, MASK, DEFORMED].concat()
+    [CASTERS, TRANSFORM, MESHES, MASK, DEFORMED].concat()
 }
 
 pub(crate) fn cull(projection: Projection) -> String {
@@ -84,7 +97,7 @@ pub(crate) fn cull(projection: Projection) -> String {
 }
 
 pub(crate) fn resolve(projection: Projection) -> String {
-    [projection.text, CASTERS, VIEW, TRIANGLE, CHUNK, MASK, RESOLVE].concat()
+    [projection.text, CASTERS, VIEW, TRIANGLE, CHUNK, MESHES, MASK, RESOLVE].concat()
 }
 
 pub(crate) fn number(projection: Projection) -> String {
@@ -104,7 +117,7 @@ pub(crate) fn mask_copy() -> String {
     MASK_COPY.to_owned()
 }
 
-/// Name and text of every complete module that the library compiles, and of the lookup under group 0; for checking
+/// Name and text of every complete module that the library compiles, and of the lookups under groups 0 and 1; for checking
 /// them with other compilers.
 #[must_use]
 pub fn modules() -> Vec<(&'static str, String)> {
@@ -113,9 +126,8 @@ pub fn modules() -> Vec<(&'static str, String)> {
         ("transform_deformed", transform_deformed()),
         ("caster", caster(0)),
         ("mask_copy", mask_copy()),
-        ("lookup", lookup(0)),
-        #[cfg(feature = "compare")]
-        ("walk", walk(0)),
+        ("lookup", lookup(0, 1)),
+        ("lookup_votes", lookup_votes(0)),
     ];
     modules.extend(maps(Projection::PARABOLOIDS));
     modules

@@ -184,6 +184,7 @@ fn pictures(arguments: &Arguments, gpu: &Gpu, plaza: &mut Plaza) -> anyhow::Resu
             &camera::Shot {
                 model: &model::Model::new(gpu, &plaza.scene)?,
                 shadows: &shadows,
+                casters: &casters,
                 lights: &lights,
                 camera: plaza.camera(),
                 near: 0.1,

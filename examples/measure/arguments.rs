@@ -34,7 +34,7 @@ pub struct Arguments {
     #[arg(long = "method", value_name = "METHOD", value_delimiter = ',', default_value = "paraboloid")]
     pub methods: Vec<Entry>,
     /// How the lookup of `paraboloid` softens shadows
-    #[arg(long, value_enum, default_value_t = FilterName::Bilinear)]
+    #[arg(long, value_enum, default_value_t = FilterName::Sharp)]
     pub filter: FilterName,
     /// Radius of the light in world units, for --filter soft. Without it, half a hundredth of its range
     #[arg(long, value_name = "R", allow_hyphen_values = true)]

@@ -23,7 +23,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1024)]
     pub resolution: u32,
     /// How soft the shadows are
-    #[arg(long, value_enum, default_value_t = FilterName::Bilinear)]
+    #[arg(long, value_enum, default_value_t = FilterName::Sharp)]
     pub filter: FilterName,
     /// Radius of the lights in world units, for --filter soft. Without it, half a hundredth of their range
     #[arg(long, value_name = "R", allow_hyphen_values = true)]

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use clap::ValueEnum;
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::scene::Camera;
-use dual_paraboloid::{LightId, PointLight, PointShadows};
+use dual_paraboloid::{Casters, LightId, PointLight, PointShadows};
 use glam::{Mat4, UVec2, Vec3, camera::rh};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
@@ -24,6 +24,8 @@ struct Frame {
     clip_from_relative: Mat4,
     eye: Vec3,
     view: u32,
+    pixel_angle: f32,
+    padding: [f32; 3],
 }
 
 /// Twin of `Light` in `shading.wgsl`.
@@ -81,6 +83,8 @@ pub struct Light {
 pub struct Shot<'a> {
     pub model: &'a Model,
     pub shadows: &'a PointShadows,
+    /// The casters that they show.
+    pub casters: &'a Casters,
     pub lights: &'a [(LightId, Light)],
     pub camera: Camera,
     /// Nearest distance that is seen.
@@ -133,7 +137,8 @@ fn exposure(luminance: Vec<f32>) -> f32 {
 /// The camera's pass: every batch once, with the shadows looked up for each sample and light.
 fn draw(gpu: &Gpu, shot: &Shot, radiance: &[wgpu::Texture; 2], depth: &wgpu::Texture) {
     let (frame_layout, frame_group) = frame(&gpu.device, shot);
-    let layouts = [&frame_layout, shot.shadows.bind_group_layout(), &shot.model.material_layout];
+    let (shadows, casters) = (shot.shadows.bind_group_layout(), shot.casters.bind_group_layout());
+    let layouts = [&frame_layout, shadows, &shot.model.material_layout, casters];
     let cullings = [Culling::None, Culling::Clockwise, Culling::CounterClockwise];
     let pipelines = shading_pipelines(&gpu.device, &layouts, cullings);
     let views = radiance.each_ref().map(view);
@@ -154,6 +159,7 @@ fn draw(gpu: &Gpu, shot: &Shot, radiance: &[wgpu::Texture; 2], depth: &wgpu::Tex
             pass.set_pipeline(&pipelines[place]);
             pass.set_bind_group(0, &frame_group, &[]);
             pass.set_bind_group(1, shot.shadows.bind_group(), &[]);
+            pass.set_bind_group(3, shot.casters.bind_group(), &[]);
             shot.model.draw(&mut pass, batch);
         }
     });
@@ -170,6 +176,8 @@ fn frame(device: &wgpu::Device, shot: &Shot) -> (wgpu::BindGroupLayout, wgpu::Bi
         clip_from_relative: projection * rh::view::look_to_mat4(Vec3::ZERO, ahead, up),
         eye,
         view: shot.view as u32,
+        pixel_angle: 2.0 * (0.5 * fov_y).tan() / shot.size.y as f32,
+        padding: [0.0; 3],
     };
     let lights: Vec<LightRecord> = shot
         .lights
@@ -204,13 +212,13 @@ fn frame(device: &wgpu::Device, shot: &Shot) -> (wgpu::BindGroupLayout, wgpu::Bi
     (layout, group)
 }
 
-/// The pipeline for each way of culling. The shadows are group 1.
+/// The pipeline for each way of culling. The shadows are group 1, their casters group 3.
 fn shading_pipelines<const N: usize>(
     device: &wgpu::Device,
-    layouts: &[&wgpu::BindGroupLayout; 3],
+    layouts: &[&wgpu::BindGroupLayout; 4],
     cullings: [Culling; N],
 ) -> [wgpu::RenderPipeline; N] {
-    let text = [include_str!("shading.wgsl"), &dual_paraboloid::wgsl::lookup(1)].concat();
+    let text = [include_str!("shading.wgsl"), &dual_paraboloid::wgsl::lookup(1, 3)].concat();
     let module = shader(device, "shading", text);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("render::shading"),

@@ -7,7 +7,7 @@ use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::reference::{Reference, View};
 use dual_paraboloid::compare::scene::{Camera, Scene};
 use dual_paraboloid::compare::shot::Shot;
-use dual_paraboloid::{Filter, LightId, PointLight, PointShadows};
+use dual_paraboloid::{Casters, Filter, LightId, PointLight, PointShadows};
 use glam::Vec3;
 use image::{Rgb, RgbImage};
 
@@ -21,7 +21,7 @@ pub fn picture(
     arguments: &Arguments,
     scene: &Scene,
     camera: &Camera,
-    shadows: &PointShadows,
+    (shadows, casters): (&PointShadows, &Casters),
     (id, light): (LightId, &PointLight),
 ) -> RgbImage {
     let (width, height) = arguments.size.into();
@@ -31,7 +31,7 @@ pub fn picture(
     // One more, since there may be none, and buffers can't be empty.
     let nowhere = std::iter::once((Vec3::ZERO, Vec3::Y));
     let inputs: Vec<_> = receivers.iter().map(|receiver| (receiver.position, receiver.normal)).chain(nowhere).collect();
-    let values = gpu.filtered_values(shadows, id, &inputs);
+    let values = gpu.filtered_values(shadows, casters, id, &inputs);
     let mut picture = RgbImage::new(width, height);
     for (((pixel, _), truth), value) in shot.seen.iter().zip(truths).zip(values) {
         picture.put_pixel(*pixel as u32 % width, *pixel as u32 / width, color(f64::from(value), truth));

@@ -11,10 +11,10 @@ const LIGHT_RADIUS: f32 = 0.005;
 /// A filter without its settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FilterName {
-    /// Light or darkness, nothing between
+    /// The casters' own edges, smooth over a pixel
+    Sharp,
+    /// The same, light or darkness and nothing between
     Hard,
-    /// Four texels
-    Bilinear,
     /// 3 x 3 texels
     Pcf3,
     /// 5 x 5 texels
@@ -30,7 +30,7 @@ impl FilterName {
     pub fn with(self, light_radius: Option<f32>, range: f32) -> Filter {
         match self {
             Self::Hard => Filter::Hard,
-            Self::Bilinear => Filter::Bilinear,
+            Self::Sharp => Filter::Sharp,
             Self::Pcf3 => Filter::Pcf3,
             Self::Pcf5 => Filter::Pcf5,
             Self::Disc => Filter::disc(DISC),

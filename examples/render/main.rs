@@ -86,7 +86,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
     if arguments.view == View::Error {
         let (id, light) = &lights[0];
-        let picture = error::picture(&gpu, arguments, &scene, &camera, &shadows, (*id, &light.shadow));
+        let picture = error::picture(&gpu, arguments, &scene, &camera, (&shadows, &casters), (*id, &light.shadow));
         return finish(arguments, &picture, start);
     }
     show_lamps(&mut scene, &lights, camera.eye);
@@ -96,6 +96,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         &camera::Shot {
             model: &model::Model::new(&gpu, &scene)?,
             shadows: &shadows,
+            casters: &casters,
             lights: &lights,
             camera,
             near: 1e-4 * (high - low).length(),

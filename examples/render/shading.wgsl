@@ -1,11 +1,13 @@
 // Shading: a Lambert surface under point lights, with the library's shadows.
-// The text of `dual_paraboloid::wgsl::lookup(1)` is put after this.
+// The text of `dual_paraboloid::wgsl::lookup(1, 3)` is put after this.
 
 struct Frame {
     // From world space relative to the eye, so that a scene far from the origin doesn't shake.
     clip_from_relative: mat4x4<f32>,
     eye: vec3<f32>,
     view: u32,
+    // Of a pixel in the middle of the picture.
+    pixel_angle: f32,
 }
 
 struct Light {
@@ -105,9 +107,10 @@ fn shade(in: Surface) -> Radiance {
     var lit = vec3<f32>();
     var shadow = 0.0;
     var first = 0.0;
+    let pixel = dp_pixel(frame.eye, in.position, geometric, frame.pixel_angle);
     let noise = interleaved_gradient_noise(in.clip.xy);
     for (var i = 0u; i < arrayLength(&lights); i += 1u) {
-        let visible = dp_shadow_filtered(lights[i].index, in.position, geometric, noise);
+        let visible = dp_shadow_filtered(lights[i].index, in.position, geometric, pixel, noise);
         lit += irradiance(lights[i], in.position, normal, geometric) * visible;
         shadow += visible;
         first = select(first, visible, i == 0u);

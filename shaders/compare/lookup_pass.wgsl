@@ -1,14 +1,16 @@
 // A pass over the whole screen that asks a lookup at recorded positions and normals, as deferred renderers do: in
 // compute, or by a triangle around the screen.
 
-@group(1) @binding(0) var positions: texture_2d<f32>;
-@group(1) @binding(1) var normals: texture_2d<f32>;
+@group(3) @binding(0) var positions: texture_2d<f32>;
+@group(3) @binding(1) var normals: texture_2d<f32>;
+// Its position, and the angle of a pixel.
+@group(3) @binding(2) var<uniform> camera: vec4<f32>;
 // Of the compute pass alone.
-@group(1) @binding(2) var answers: texture_storage_2d<r32float, write>;
+@group(3) @binding(3) var answers: texture_storage_2d<r32float, write>;
 
-fn answer(pixel: vec2<i32>) -> f32 {
-    let position = textureLoad(positions, pixel, 0).xyz;
-    let normal = textureLoad(normals, pixel, 0).xyz;
+fn answer(at: vec2<i32>) -> f32 {
+    let position = textureLoad(positions, at, 0).xyz;
+    let normal = textureLoad(normals, at, 0).xyz;
     return EXPRESSION;
 }
 

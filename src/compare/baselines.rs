@@ -249,17 +249,18 @@ impl Baseline {
         }
     }
 
-    /// What the text of [`Lookup::text`] reads, with its layout; `None` for [`Method::DepthView`].
+    /// What the text of [`Lookup::text`] reads: its bind groups with their layouts; none for [`Method::DepthView`].
     #[must_use]
-    pub fn bind_group(&self) -> Option<(&wgpu::BindGroup, &wgpu::BindGroupLayout)> {
+    pub fn bind_groups(&self) -> Vec<Bound<'_>> {
+        let map = |(group, layout)| vec![(Some(group), layout)];
         match &self.kind {
-            Kind::Pair(pair) => Some((pair.shadows().bind_group(), pair.shadows().bind_group_layout())),
-            Kind::VertexWarp(warp) => Some(warp.bind_group()),
-            Kind::Cube(cube) => Some(cube.lookup().bind_group()),
-            Kind::CubeRouted(cube) => Some(cube.lookup().bind_group()),
-            Kind::CubeMultiview(cube) => Some(cube.lookup().bind_group()),
-            Kind::CubeCompute(cube) => Some(cube.lookup().bind_group()),
-            Kind::DepthView(_) => None,
+            Kind::Pair(pair) => pair.bind_groups().to_vec(),
+            Kind::VertexWarp(warp) => map(warp.bind_group()),
+            Kind::Cube(cube) => map(cube.lookup().bind_group()),
+            Kind::CubeRouted(cube) => map(cube.lookup().bind_group()),
+            Kind::CubeMultiview(cube) => map(cube.lookup().bind_group()),
+            Kind::CubeCompute(cube) => map(cube.lookup().bind_group()),
+            Kind::DepthView(_) => Vec::new(),
         }
     }
 
@@ -274,18 +275,21 @@ impl Baseline {
     /// doesn't read this method's map.
     #[must_use]
     pub fn evaluator(&self, gpu: &Gpu, lookup: Lookup, receivers: &[(Vec3, Vec3)]) -> Option<Evaluator> {
-        let (_, layout) = self.bind_group().filter(|_| self.method.is_read_by(lookup))?;
+        let layouts: Vec<_> = self.bind_groups().into_iter().map(|(_, layout)| layout).collect();
         let text = [lookup.text(0), evaluation(lookup.expression())].concat();
-        Some(gpu.evaluator(&text, &[layout], receivers))
+        self.method.is_read_by(lookup).then(|| gpu.evaluator(&text, &layouts, receivers))
     }
 
     /// What the evaluator of one of this method's lookups finds in this map; `None` without any lookup.
     #[must_use]
     pub fn answers(&self, gpu: &Gpu, evaluator: &Evaluator) -> Option<Vec<f32>> {
-        let (group, _) = self.bind_group()?;
-        Some(evaluator.values(gpu, &[group]))
+        let groups: Vec<_> = self.bind_groups().into_iter().map(|(group, _)| group).collect();
+        (!groups.is_empty()).then(|| evaluator.values(gpu, &groups))
     }
 }
+
+/// A bind group with its layout; none where nothing is recorded yet that it would be of.
+pub type Bound<'a> = (Option<&'a wgpu::BindGroup>, &'a wgpu::BindGroupLayout);
 
 impl Kind {
     fn new(device: &wgpu::Device, method: Method, resolution: u32) -> Result<Self, BaselineError> {

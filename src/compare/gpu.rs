@@ -1,6 +1,6 @@
 //! A device to measure and test on, and what comes back from it.
 
-use crate::{LightId, PointShadows};
+use crate::{Casters, LightId, PointShadows};
 use bytemuck::Pod;
 use glam::Vec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -167,20 +167,57 @@ impl Gpu {
         self.read_texture(shadows.maps(), light.index())
     }
 
-    /// What `dp_shadow` says of each receiver, given by position and geometric normal.
+    /// What `dp_shadow` says of each receiver, given by position and geometric normal, at the point alone.
     #[must_use]
-    pub fn shadow_values(&self, shadows: &PointShadows, light: LightId, receivers: &[(Vec3, Vec3)]) -> Vec<f32> {
-        let call = format!("dp_shadow({}u, position, normal)", light.index());
-        let text = [crate::wgsl::lookup(0), evaluation(&call)].concat();
+    pub fn shadow_values(
+        &self,
+        shadows: &PointShadows,
+        casters: &Casters,
+        light: LightId,
+        receivers: &[(Vec3, Vec3)],
+    ) -> Vec<f32> {
+        self.lookup_values(
+            shadows,
+            casters,
+            &format!("dp_shadow({}u, position, normal, pixel)", light.index()),
+            receivers,
+        )
+    }
+
+    /// What `dp_shadow` of the lookup without triangles says of each receiver.
+    #[must_use]
+    pub fn vote_values(&self, shadows: &PointShadows, light: LightId, receivers: &[(Vec3, Vec3)]) -> Vec<f32> {
+        let call = format!("dp_shadow({}u, position, normal, pixel)", light.index());
+        let text = [crate::wgsl::lookup_votes(0), evaluation(&call)].concat();
         self.evaluate(&text, &[(shadows.bind_group(), shadows.bind_group_layout())], receivers)
     }
 
-    /// What `dp_shadow_filtered` says of each receiver, by the light's filter and without noise.
+    /// What `dp_shadow_filtered` says of each receiver, by the light's filter, at the point alone and without noise.
     #[must_use]
-    pub fn filtered_values(&self, shadows: &PointShadows, light: LightId, receivers: &[(Vec3, Vec3)]) -> Vec<f32> {
-        let call = format!("dp_shadow_filtered({}u, position, normal, 0.0)", light.index());
-        let text = [crate::wgsl::lookup(0), evaluation(&call)].concat();
-        self.evaluate(&text, &[(shadows.bind_group(), shadows.bind_group_layout())], receivers)
+    pub fn filtered_values(
+        &self,
+        shadows: &PointShadows,
+        casters: &Casters,
+        light: LightId,
+        receivers: &[(Vec3, Vec3)],
+    ) -> Vec<f32> {
+        let call = format!("dp_shadow_filtered({}u, position, normal, pixel, 0.0)", light.index());
+        self.lookup_values(shadows, casters, &call, receivers)
+    }
+
+    /// What a WGSL expression over `position`, `normal` and `pixel` gives, with the text of the library's lookup.
+    #[must_use]
+    pub fn lookup_values(
+        &self,
+        shadows: &PointShadows,
+        casters: &Casters,
+        expression: &str,
+        receivers: &[(Vec3, Vec3)],
+    ) -> Vec<f32> {
+        let text = [crate::wgsl::lookup(0, 1), evaluation(expression)].concat();
+        let groups =
+            [(shadows.bind_group(), shadows.bind_group_layout()), (casters.bind_group(), casters.bind_group_layout())];
+        self.evaluate(&text, &groups, receivers)
     }
 
     /// Number of receivers that one evaluation takes at most.
@@ -198,7 +235,7 @@ impl Gpu {
         groups: &[(&wgpu::BindGroup, &wgpu::BindGroupLayout)],
         receivers: &[(Vec3, Vec3)],
     ) -> Vec<f32> {
-        let (groups, layouts): (Vec<&wgpu::BindGroup>, Vec<&wgpu::BindGroupLayout>) = groups.iter().copied().unzip();
+        let (groups, layouts): (Vec<_>, Vec<_>) = groups.iter().map(|&(group, layout)| (Some(group), layout)).unzip();
         self.evaluator(text, &layouts, receivers).values(self, &groups)
     }
 
@@ -257,7 +294,7 @@ impl Evaluator {
     /// # Panics
     /// If the device is lost.
     #[must_use]
-    pub fn values(&self, gpu: &Gpu, groups: &[&wgpu::BindGroup]) -> Vec<f32> {
+    pub fn values(&self, gpu: &Gpu, groups: &[Option<&wgpu::BindGroup>]) -> Vec<f32> {
         gpu.submit(|encoder| {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipeline);
@@ -274,8 +311,8 @@ impl Evaluator {
 /// Group of the receivers and values in [`evaluation`].
 const EVALUATION_GROUP: usize = 3;
 
-/// Entry point `evaluate`, which writes the value of a WGSL expression over `position` and `normal` for each
-/// receiver.
+/// Entry point `evaluate`, which writes the value of a WGSL expression over `position`, `normal` and an empty `pixel` for
+/// each receiver.
 #[must_use]
 pub fn evaluation(expression: &str) -> String {
     format!(
@@ -289,6 +326,7 @@ fn evaluate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         let at = 6u * i;
         let position = vec3<f32>(receivers[at], receivers[at + 1u], receivers[at + 2u]);
         let normal = vec3<f32>(receivers[at + 3u], receivers[at + 4u], receivers[at + 5u]);
+        let pixel = mat2x3<f32>();
         values[i] = {expression};
     }}
 }}

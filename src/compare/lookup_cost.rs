@@ -36,8 +36,10 @@ pub enum Kernel {
 pub enum Question {
     /// Nothing: it only reads the position and the normal.
     Nothing,
-    /// A method's own lookup.
+    /// A method's own lookup, over the pixel where it takes that.
     Lookup(Lookup),
+    /// `dp_shadow` at the pixel's middle alone.
+    Point,
     /// `dp_shadow` over a square of texels, so many across, each loaded on its own.
     Texels(u32),
     /// A filter of the pair.
@@ -50,7 +52,7 @@ impl Question {
     /// What is measured: every lookup of every method, squares of 1, 4 and 9 texels, and filters.
     #[must_use]
     pub fn all() -> Vec<Self> {
-        let mut all = vec![Self::Nothing];
+        let mut all = vec![Self::Nothing, Self::Point];
         for lookup in Method::ALL.iter().flat_map(|method| method.lookups()).copied().map(Self::Lookup) {
             if !all.contains(&lookup) {
                 all.push(lookup);
@@ -67,6 +69,7 @@ impl Question {
         match self {
             Self::Nothing => "nothing",
             Self::Lookup(lookup) => lookup.name(),
+            Self::Point => "dp_shadow, points",
             Self::Texels(1) => "dp_shadow, 1 texel",
             Self::Texels(2) => "dp_shadow, 4 texels loaded",
             Self::Texels(_) => "dp_shadow, 9 texels loaded",
@@ -85,26 +88,28 @@ impl Question {
     fn method(self) -> Method {
         let reads = |lookup| Method::ALL.into_iter().find(|method| method.is_read_by(lookup));
         match self {
-            Self::Nothing | Self::Texels(_) | Self::Filter(_) => Method::Paraboloid,
+            Self::Nothing | Self::Point | Self::Texels(_) | Self::Filter(_) => Method::Paraboloid,
             Self::CubeFilter(_) => Method::Cube,
             Self::Lookup(lookup) => reads(lookup).unwrap_or(Method::Paraboloid),
         }
     }
 
     /// WGSL for the map's group 0, and an expression over `position` and `normal`.
-    fn text(self) -> (String, &'static str) {
-        match self {
-            Self::Nothing => (Lookup::Paraboloid.text(0), "dot(position, normal)"),
+    fn text(self) -> (String, String) {
+        let (text, expression) = match self {
+            Self::Nothing => (Lookup::Votes.text(0), "dot(position, normal)"),
             Self::Lookup(lookup) => (lookup.text_unturned(0), lookup.expression()),
+            Self::Point => (Lookup::Paraboloid.text(0), "dp_shadow(0u, position, normal, mat2x3<f32>())"),
             Self::Texels(side) => {
                 let text = TEXELS.replace("TEXELS", &side.to_string());
-                ([Lookup::Paraboloid.text(0), text].concat(), "texels_shadow(0u, position, normal)")
+                ([Lookup::Votes.text(0), text].concat(), "texels_shadow(0u, position, normal)")
             }
             Self::Filter(kernel) => (Lookup::Filtered.text(0), kernel.expression()),
             Self::CubeFilter(kernel) => {
                 ([&Lookup::CubeHardware.text_unturned(0), CUBE_FILTER].concat(), kernel.cube_expression())
             }
-        }
+        };
+        (text, expression.replace("pixel", "dp_pixel(camera.xyz, position, normal, camera.w)"))
     }
 }
 
@@ -114,10 +119,10 @@ impl Kernel {
 
     fn expression(self) -> &'static str {
         match self {
-            Self::Square3 => "dp_shadow_pcf3(0u, position, normal, 0.5)",
-            Self::Square5 => "dp_shadow_pcf5(0u, position, normal, 0.5)",
-            Self::Disc => "dp_shadow_with(0u, position, normal, 0.5, DpFilter(DP_DISC, 0.01, 16u))",
-            Self::Soft => "dp_shadow_with(0u, position, normal, 0.5, DpFilter(DP_SOFT, 0.1, 32u))",
+            Self::Square3 => "dp_shadow_pcf3(0u, position, normal, pixel, 0.5)",
+            Self::Square5 => "dp_shadow_pcf5(0u, position, normal, pixel, 0.5)",
+            Self::Disc => "dp_shadow_with(0u, position, normal, pixel, 0.5, DpFilter(DP_DISC, 0.01, 16u))",
+            Self::Soft => "dp_shadow_with(0u, position, normal, pixel, 0.5, DpFilter(DP_SOFT, 0.1, 32u))",
         }
     }
 
@@ -136,7 +141,7 @@ impl Kernel {
 pub fn modules() -> Vec<(String, String)> {
     let module = |(number, question): (usize, Question)| {
         let (text, expression) = question.text();
-        (format!("compare_shade_{number}"), pass::module(&text, expression))
+        (format!("compare_shade_{number}"), pass::module(&text, &expression))
     };
     Question::all().into_iter().enumerate().map(module).collect()
 }
@@ -218,7 +223,7 @@ impl<'a> Screens<'a> {
     pub fn prepare(&mut self, question: Question, stage: PassStage, map: &Baseline) {
         self.passes.entry((question, stage)).or_insert_with(|| {
             let (text, expression) = question.text();
-            ShadePass::new(self.gpu, stage, map.bind_group(), &text, expression)
+            ShadePass::new(self.gpu, stage, &map.bind_groups(), &text, &expression)
         });
     }
 
@@ -232,7 +237,7 @@ impl<'a> Screens<'a> {
         map: &Baseline,
     ) {
         if let Some(pass) = self.passes.get(&(question, stage)) {
-            self.screens[screen].record(encoder, pass, map.bind_group());
+            self.screens[screen].record(encoder, pass, &map.bind_groups());
         }
     }
 

@@ -255,7 +255,7 @@ impl Made {
         let ideal_values = truth.ideal_values(&ideal);
         let ideal_error = truth.judge(&ideal_values);
         let stored = gpu.read_map(&self.shadows, self.light);
-        let values = gpu.shadow_values(&self.shadows, self.light, &truth.inputs());
+        let values = gpu.shadow_values(&self.shadows, &self.casters, self.light, &truth.inputs());
         Figures {
             map: map_error(&stored, &ideal, &truth.reference, &truth.view),
             shadow: ShadowReport { error: truth.judge(&values), ideal_wrong_ppm: ideal_error.wrong_ppm },

@@ -16,6 +16,8 @@ pub struct Shot {
     pub height: u32,
     /// The camera's position in the world.
     pub eye: DVec3,
+    /// Angle of a pixel in the middle, in radians.
+    pub pixel_angle: f64,
     /// The number of each pixel that shows a surface, row by row from the upper left, and the surface's point there.
     pub seen: Vec<(usize, Receiver)>,
 }
@@ -41,7 +43,8 @@ impl Shot {
         let rays = Rays::new(camera, width, height);
         let look = |pixel: usize| Some((pixel, rays.look(reference, pixel, DVec2::splat(0.5))?));
         let pixels = width as usize * height as usize;
-        Self { width, height, eye: rays.eye, seen: (0..pixels).into_par_iter().filter_map(look).collect() }
+        let pixel_angle = rays.up.length() / rays.half_size[1];
+        Self { width, height, eye: rays.eye, pixel_angle, seen: (0..pixels).into_par_iter().filter_map(look).collect() }
     }
 }
 

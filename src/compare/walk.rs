@@ -1,16 +1,14 @@
-//! Lookups that ask the triangles, in Rust: the twins of `shaders/walk.wgsl` in both precisions, over the casters' own
+//! Lookups that ask the triangles, in Rust: the twins of `shaders/exact.wgsl` in both precisions, over the casters' own
 //! data.
 //!
 //! A map's texel knows the triangle under its centre. Where the texels around a receiver disagree, the lookup walks from
 //! their triangles over the mesh towards the receiver's direction, and finds whether the surface that a texel saw stands
 //! before the receiver. [`double`] is what [`ideal`](super::ideal) is for the votes: the rule without rounding.
 
-mod device;
 mod ideal;
 mod surface;
 mod twins;
 
-pub use device::WalkGroup;
 pub use ideal::IdealWalks;
 pub use surface::Surface;
 pub use twins::{double, single};

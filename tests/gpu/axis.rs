@@ -66,7 +66,7 @@ fn the_error_at_the_axis_is_the_error_elsewhere() {
         let light = PointLight { orientation: orientation(&mut random), ..light_for(&scene, Vec3::ZERO) };
         let truth = truth_of_zones(&scene, &light, turn);
         let made = Made::new(gpu(), &scene, light, &descriptor(256)).unwrap();
-        let values = gpu().shadow_values(&made.shadows, made.light, &truth.inputs());
+        let values = gpu().shadow_values(&made.shadows, &made.casters, made.light, &truth.inputs());
         for ((receiver, lit), value) in truth.receivers.iter().zip(&truth.lit).zip(values) {
             let (p, Some(zone)) = place(&truth, receiver) else { continue };
             zones[zone].samples += 1;

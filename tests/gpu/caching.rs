@@ -304,19 +304,20 @@ fn what_has_to_wait_stays_as_it_is() {
     let mut shadows = shadows(true);
     // In front of the wall and facing back, behind it and facing on.
     let receivers = [(Vec3::new(0.1, 0.2, 0.5), Vec3::NEG_Z), (Vec3::new(0.1, 0.2, 2.0), Vec3::Z)];
-    let arrives = |shadows: &PointShadows, light| gpu().shadow_values(shadows, light, &receivers);
+    let arrives =
+        |shadows: &PointShadows, casters: &Casters, light| gpu().shadow_values(shadows, casters, light, &receivers);
     let old = shadows.add(before).unwrap();
     assert_eq!(record(&mut shadows, &mut casters, Some(1)), 1);
-    let of_before = arrives(&shadows, old);
+    let of_before = arrives(&shadows, &casters, old);
     assert_eq!(of_before, [1.0, 0.0]);
     shadows.set(old, behind).unwrap();
     let new = shadows.add(behind).unwrap();
     assert_eq!(record(&mut shadows, &mut casters, Some(0)), 0);
-    assert_eq!(arrives(&shadows, old), of_before, "a light is looked up by another one's map");
-    assert_eq!(arrives(&shadows, new), [0.0, 0.0], "a light without a map isn't dark");
+    assert_eq!(arrives(&shadows, &casters, old), of_before, "a light is looked up by another one's map");
+    assert_eq!(arrives(&shadows, &casters, new), [0.0, 0.0], "a light without a map isn't dark");
     assert_eq!(record(&mut shadows, &mut casters, Some(1)), 1);
-    assert_eq!(arrives(&shadows, new), [0.0, 1.0], "the new one doesn't go first");
-    assert_eq!(arrives(&shadows, old), of_before);
+    assert_eq!(arrives(&shadows, &casters, new), [0.0, 1.0], "the new one doesn't go first");
+    assert_eq!(arrives(&shadows, &casters, old), of_before);
     assert_eq!(record(&mut shadows, &mut casters, Some(1)), 1);
-    assert_eq!(arrives(&shadows, old), [0.0, 1.0]);
+    assert_eq!(arrives(&shadows, &casters, old), [0.0, 1.0]);
 }

@@ -9,7 +9,7 @@ use glam::Vec3;
 
 /// All filters with the settings that they have by default; the soft light has a radius of 0.1.
 pub const FILTERS: [Filter; 6] =
-    [Filter::Hard, Filter::Bilinear, Filter::Pcf3, Filter::Pcf5, Filter::disc(0.01), Filter::soft(0.1)];
+    [Filter::Hard, Filter::Sharp, Filter::Pcf3, Filter::Pcf5, Filter::disc(0.01), Filter::soft(0.1)];
 
 /// How far from a silhouette, in texels, a texel's centre may be taken to be on its other side.
 pub const MARGIN: f64 = 1e-3;
@@ -33,7 +33,7 @@ pub fn record(made: &mut Made) -> u32 {
 pub fn filtered(made: &mut Made, light: PointLight, filter: Filter, inputs: &[(Vec3, Vec3)]) -> Vec<f32> {
     made.shadows.set(made.light, PointLight { filter, ..light }).unwrap();
     assert_eq!(record(made), 0, "another filter made the map stale");
-    gpu().filtered_values(&made.shadows, made.light, inputs)
+    gpu().filtered_values(&made.shadows, &made.casters, made.light, inputs)
 }
 
 /// Three standard deviations of a count, in parts per million of `samples`. Library and floor answer for the same
@@ -75,7 +75,7 @@ pub fn assert_holes_are_true(scene: &Scene, position: Vec3, resolution: u32, sam
     assert!(figures.map.silhouette_distance_max <= MARGIN, "{}: {:?}", scene.name, figures.map);
     // Without the holes it would be wrong by far.
     let whole = Made::new(gpu(), &scene.without_holes(), light, &descriptor(resolution)).unwrap();
-    let values = gpu().shadow_values(&whole.shadows, whole.light, &truth.inputs());
+    let values = gpu().shadow_values(&whole.shadows, &whole.casters, whole.light, &truth.inputs());
     assert!(truth.wrong_ppm(&values) > 1.2 * wrong, "{} has no holes that matter", scene.name);
 }
 

@@ -6,11 +6,10 @@ use crate::common::{descriptor, gpu};
 use crate::hard_cases::{boxes_around, orientation, rod, room, scene};
 use dual_paraboloid::compare::area_light::{shares_of_sphere, soft_error};
 use dual_paraboloid::compare::error_figures::filter_error;
-use dual_paraboloid::compare::gpu::evaluation;
 use dual_paraboloid::compare::measure::{Made, Truth, light_for};
 use dual_paraboloid::compare::procedural::shapes::{cuboid, quad};
 use dual_paraboloid::compare::scene::Scene;
-use dual_paraboloid::{Coverage, Error, Filter, PointLight, wgsl};
+use dual_paraboloid::{Coverage, Error, Filter, PointLight};
 use glam::{Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -48,7 +47,7 @@ fn assert_one_width(filter: Filter, radius: f32) {
     for turn in TURNS.iter().flat_map(|angle| [Vec3::X, Vec3::Y].map(|axis| Quat::from_axis_angle(axis, *angle))) {
         let light = PointLight { orientation: turn, filter, ..light_for(&scene, Vec3::ZERO) };
         let made = made(&scene, light, 1024);
-        let values = gpu().filtered_values(&made.shadows, made.light, &inputs);
+        let values = gpu().filtered_values(&made.shadows, &made.casters, made.light, &inputs);
         for (angle, value) in angles.iter().zip(&values) {
             let expected = share_of_disc(angle / radius);
             assert!((value - expected).abs() < 0.06, "{turn}, {angle}: {value}, not {expected}");
@@ -180,7 +179,7 @@ fn wide_penumbras_beside_it_let_no_light_under_a_caster() {
         let orientation = Quat::from_rotation_x(turn);
         let light = PointLight { orientation, filter: Filter::soft(0.1), ..light_for(&scene, Vec3::ZERO) };
         let made = made(&scene, light, 1024);
-        let values = gpu().filtered_values(&made.shadows, made.light, &across_the_edge(&angles));
+        let values = gpu().filtered_values(&made.shadows, &made.casters, made.light, &across_the_edge(&angles));
         let lit = values.iter().filter(|value| **value > 0.01).count();
         assert_eq!(lit, 0, "{turn}: {values:?}");
     }
@@ -195,7 +194,7 @@ fn poles_seen_edge_on_have_no_acne() {
     let light = PointLight { filter: Filter::Pcf3, ..light_for(&scene, Vec3::ZERO) };
     let truth = Truth::new(&scene, &light, 20_000, 1);
     let made = Made::new(gpu(), &scene, light, &descriptor(256)).unwrap();
-    let values = gpu().filtered_values(&made.shadows, made.light, &truth.inputs());
+    let values = gpu().filtered_values(&made.shadows, &made.casters, made.light, &truth.inputs());
     let acne = filter_error(&truth, &values, &made.geometry(), light.filter).acne_ppm;
     assert!(acne <= 1000.0, "{acne} per million are in false shadow");
 }
@@ -233,7 +232,7 @@ fn soft_shadows_are_those_of_a_sphere() {
             let shares = shares_of_sphere(&truth.receivers, &truth.reference, &truth.view, f64::from(radius), 256);
             let mut made = made(&scene, light, 512);
             let soft = soft_error(&filtered(&mut made, light, light.filter, &truth.inputs()), &shares);
-            let point = soft_error(&filtered(&mut made, light, Filter::Bilinear, &truth.inputs()), &shares);
+            let point = soft_error(&filtered(&mut made, light, Filter::Sharp, &truth.inputs()), &shares);
             println!("{name}, {radius}: {soft:.4?}; unfiltered {:.4}", point.penumbra_rms);
             assert!(soft.penumbra_rms < allowed, "{name}, {radius}: {soft:?}");
             assert!(soft.penumbra_rms < 0.6 * point.penumbra_rms, "{name}, {radius}: no better than unfiltered");
@@ -247,14 +246,13 @@ fn filters_by_name_are_those_of_the_light() {
     let light = PointLight { orientation: Quat::from_rotation_x(0.4), ..light_for(&scene, Vec3::ZERO) };
     let mut made = made(&scene, light, 128);
     let inputs = Truth::new(&scene, &light, 2000, 5).inputs();
-    let bilinear = filtered(&mut made, light, Filter::Bilinear, &inputs);
-    assert_eq!(bilinear, gpu().shadow_values(&made.shadows, made.light, &inputs));
+    let bilinear = filtered(&mut made, light, Filter::Sharp, &inputs);
+    assert_eq!(bilinear, gpu().shadow_values(&made.shadows, &made.casters, made.light, &inputs));
     let names = ["dp_shadow_hard", "", "dp_shadow_pcf3", "dp_shadow_pcf5", "dp_shadow_disc", "dp_shadow_soft"];
     for (filter, name) in FILTERS.into_iter().zip(names).filter(|(_, name)| !name.is_empty()) {
         let own = filtered(&mut made, light, filter, &inputs);
-        let text = [wgsl::lookup(0), evaluation(&format!("{name}(0u, position, normal, 0.0)"))].concat();
-        let named = || gpu().evaluate(&text, &[(made.shadows.bind_group(), made.shadows.bind_group_layout())], &inputs);
-        assert_eq!(own, named(), "{name}");
+        let call = format!("{name}(0u, position, normal, pixel, 0.0)");
+        assert_eq!(own, gpu().lookup_values(&made.shadows, &made.casters, &call, &inputs), "{name}");
         assert_ne!(own, bilinear, "{name}");
         assert!(own.iter().all(|share| (0.0..=1.0).contains(share)), "{name}");
     }

@@ -79,23 +79,27 @@ fn lights() {
         }
     }
     assert_eq!(shadows.add(good), Err(Error::CapacityExceeded { capacity: 1 }));
-    let mut count = |shadows: &mut PointShadows| {
-        gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters)).unwrap()
+    let count = |shadows: &mut PointShadows, casters: &mut Casters| {
+        gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, casters)).unwrap()
     };
-    assert_eq!(count(&mut shadows), 0, "refused values made the light stale");
+    assert_eq!(count(&mut shadows, &mut casters), 0, "refused values made the light stale");
     for priority in [0.0, f32::NAN] {
         let refused = shadows.set_priority(id, priority);
         assert!(matches!(refused, Err(Error::InvalidLight { what: "priority", .. })), "{refused:?}");
     }
     shadows.set_priority(id, 2.0).unwrap();
     shadows.set(id, good).unwrap();
-    assert_eq!(count(&mut shadows), 0, "the same values made the light stale");
+    assert_eq!(count(&mut shadows, &mut casters), 0, "the same values made the light stale");
     shadows.remove(id).unwrap();
     assert!(matches!(shadows.set(id, good), Err(Error::StaleHandle { what: "light", .. })));
     assert!(matches!(shadows.set_priority(id, 1.0), Err(Error::StaleHandle { what: "light", .. })));
-    assert_eq!(gpu().shadow_values(&shadows, id, &[(Vec3::X, Vec3::X)]), [1.0], "not recorded yet");
-    assert_eq!(count(&mut shadows), 0);
-    assert_eq!(gpu().shadow_values(&shadows, id, &[(Vec3::X, Vec3::X)]), [0.0], "a light that is gone lights nothing");
+    assert_eq!(gpu().shadow_values(&shadows, &casters, id, &[(Vec3::X, Vec3::X)]), [1.0], "not recorded yet");
+    assert_eq!(count(&mut shadows, &mut casters), 0);
+    assert_eq!(
+        gpu().shadow_values(&shadows, &casters, id, &[(Vec3::X, Vec3::X)]),
+        [0.0],
+        "a light that is gone lights nothing"
+    );
 }
 
 #[test]

@@ -34,7 +34,7 @@ fn the_error_at_the_seam_is_the_error_beside_it() {
         let light = PointLight { orientation: orientation(&mut random), ..light_for(&scene, Vec3::ZERO) };
         let truth = Truth::new(&scene, &light, 60_000, turn);
         let made = Made::new(gpu(), &scene, light, &descriptor(256)).unwrap();
-        let values = gpu().shadow_values(&made.shadows, made.light, &truth.inputs());
+        let values = gpu().shadow_values(&made.shadows, &made.casters, made.light, &truth.inputs());
         let (a, b) = (wrong_between(&truth, &values, 0.0..2.0), wrong_between(&truth, &values, 2.0..6.0));
         seam = (seam.0 + a.0, seam.1 + a.1);
         beside = (beside.0 + b.0, beside.1 + b.1);
@@ -62,8 +62,10 @@ fn one_hemisphere_is_half_of_both() {
     }
     let receivers: Vec<(Vec3, Vec3)> =
         (0..100).map(|i| (Vec3::new(0.3, 0.05, -1.5 + 0.03 * i as f32), Vec3::new(0.1, 1.0, 0.2))).collect();
-    let values = gpu().shadow_values(&both, a, &receivers).into_iter().zip(gpu().shadow_values(&one, b, &receivers));
-    for ((position, _), (full, half)) in receivers.iter().zip(values) {
+    let values =
+        [(&both, a), (&one, b)].map(|(shadows, light)| gpu().shadow_values(shadows, &casters, light, &receivers));
+    let [full, half] = values;
+    for ((position, _), (full, half)) in receivers.iter().zip(full.into_iter().zip(half)) {
         let expected = if position.z < -0.3 { 0.0 } else { full };
         assert_eq!(half, expected, "at {position}");
     }

@@ -6,7 +6,7 @@ use dual_paraboloid::compare::measure::{Made, Truth, light_for};
 use dual_paraboloid::compare::procedural::shapes::{append, cuboid, icosphere, quad, torus_knot};
 use dual_paraboloid::compare::procedural::{few_large, many_small};
 use dual_paraboloid::compare::scene::{Scene, SceneInstance, SceneMesh};
-use dual_paraboloid::compare::walk::{STEPS, Surface, WalkGroup, single};
+use dual_paraboloid::compare::walk::{STEPS, Surface, single};
 use dual_paraboloid::{PointLight, PointShadowsDescriptor};
 use glam::{Affine3A, Quat, Vec3};
 
@@ -39,8 +39,7 @@ fn compare(scene: &Scene, light: PointLight, resolution: u32) {
     let descriptor = PointShadowsDescriptor { capacity: 1, resolution, ..Default::default() };
     let made = Made::new(gpu(), scene, light, &descriptor).unwrap();
     let truth = Truth::new(scene, &light, RECEIVERS, 5);
-    let group = WalkGroup::new(gpu(), &made.shadows, &made.casters);
-    let on_device = group.shadow_values(gpu(), made.light, &truth.inputs());
+    let on_device = gpu().shadow_values(&made.shadows, &made.casters, made.light, &truth.inputs());
 
     let surface = Surface::read(gpu(), &made.casters);
     let (depths, numbers) = (gpu().read_map(&made.shadows, made.light), gpu().read_texture(made.shadows.numbers(), 0));
@@ -60,7 +59,7 @@ fn compare(scene: &Scene, light: PointLight, resolution: u32) {
     assert!(mixed > RECEIVERS / 200, "{mixed} of {} are mixed", inputs.len());
     let differ = on_device.iter().zip(&in_rust).filter(|(a, b)| (**a >= 0.5) != (**b >= 0.5)).count();
     assert!(differ <= inputs.len() / 20_000, "{differ} of {} differ", inputs.len());
-    let votes = truth.judge(&gpu().shadow_values(&made.shadows, made.light, &inputs));
+    let votes = truth.judge(&gpu().vote_values(&made.shadows, made.light, &inputs));
     let walks = truth.judge(&on_device);
     let (ideal, _) = truth.ideal(made.geometry());
     let floor = dual_paraboloid::compare::walk::IdealWalks::new(scene).shadows(&truth, &ideal, STEPS);

@@ -9,8 +9,10 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Lookup {
-    /// `dp_shadow`: four texels, each compared with the receiver's plane.
+    /// `dp_shadow`: four texels, and where they disagree, the triangles that they show.
     Paraboloid,
+    /// `dp_shadow` without the triangles: four texels, each compared with the receiver's plane.
+    Votes,
     /// `dp_shadow_filtered`: the light's own filter, without noise.
     Filtered,
     /// The hardware's comparison in a warped pair: four texels, one reference, a constant and a normal-offset bias.
@@ -34,6 +36,7 @@ impl Lookup {
     pub fn name(self) -> &'static str {
         match self {
             Self::Paraboloid => "paraboloid",
+            Self::Votes => "votes",
             Self::Filtered => "filtered",
             Self::VertexWarp => "vertex-warp",
             Self::VertexWarpShipped => "vertex-warp-shipped",
@@ -43,11 +46,12 @@ impl Lookup {
         }
     }
 
-    /// WGSL to put beside a shader's own, reading the method's bind group under the number `group`.
+    /// WGSL to put beside a shader's own, reading the method's bind groups under the numbers from `group` on.
     #[must_use]
     pub fn text(self, group: u32) -> String {
         match self {
-            Self::Paraboloid | Self::Filtered => crate::wgsl::lookup(group),
+            Self::Paraboloid | Self::Filtered => crate::wgsl::lookup(group, group + 1),
+            Self::Votes => crate::wgsl::lookup_votes(group),
             Self::VertexWarp | Self::VertexWarpShipped => vertex_warp::lookup_text(group),
             Self::CubeHardware | Self::CubeShipped | Self::CubePlane => cube_lookup::text(group, true),
         }
@@ -64,12 +68,12 @@ impl Lookup {
     }
 
     /// The WGSL expression for the share of the light that reaches `position`, on a surface of the geometric normal
-    /// `normal`; both are variables of type `vec3<f32>` in world space.
+    /// `normal`, both variables of type `vec3<f32>` in world space, over a `pixel` as `dp_shadow` takes it.
     #[must_use]
     pub fn expression(self) -> &'static str {
         match self {
-            Self::Paraboloid => "dp_shadow(0u, position, normal)",
-            Self::Filtered => "dp_shadow_filtered(0u, position, normal, 0.0)",
+            Self::Paraboloid | Self::Votes => "dp_shadow(0u, position, normal, pixel)",
+            Self::Filtered => "dp_shadow_filtered(0u, position, normal, pixel, 0.0)",
             Self::VertexWarp => "warp_shadow(position, normal)",
             Self::VertexWarpShipped => "warp_shadow_shipped(position, normal)",
             Self::CubeHardware => "cube_shadow_hardware(position, normal)",
@@ -87,7 +91,7 @@ impl Lookup {
             Self::VertexWarp => Some(Bias { depth: 0.08, ..Bias::default() }),
             Self::CubeHardware => Some(Bias { depth: 0.08, normal: 0.6 * SQRT_2, ..Bias::default() }),
             Self::CubePlane => Some(Bias { ray: 0.05, ..Bias::default() }),
-            Self::Paraboloid | Self::Filtered | Self::VertexWarpShipped | Self::CubeShipped => None,
+            Self::Paraboloid | Self::Votes | Self::Filtered | Self::VertexWarpShipped | Self::CubeShipped => None,
         }
     }
 }

@@ -148,7 +148,7 @@ impl Method {
     #[must_use]
     pub fn lookups(self) -> &'static [Lookup] {
         match self {
-            Self::Paraboloid => &[Lookup::Paraboloid],
+            Self::Paraboloid => &[Lookup::Paraboloid, Lookup::Votes],
             Self::VertexWarp => &[Lookup::VertexWarp, Lookup::VertexWarpShipped],
             Self::Cube16 => &[Lookup::CubeHardware, Lookup::CubeShipped],
             Self::CubeCompute => &[Lookup::CubePlane],

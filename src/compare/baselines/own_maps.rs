@@ -1,5 +1,6 @@
 //! Maps by this library's own stages, made anew at every recording.
 
+use super::Bound;
 use crate::casters::Casters;
 use crate::compare::gpu::Gpu;
 use crate::light::PointLight;
@@ -11,22 +12,25 @@ use crate::{Error, LightId, PointShadows, PointShadowsDescriptor, Stage, Tuning}
 pub(super) struct OwnMaps {
     shadows: PointShadows,
     light: LightId,
+    /// The casters that the map shows.
+    casters: Option<wgpu::BindGroup>,
+    casters_layout: wgpu::BindGroupLayout,
 }
 
 impl OwnMaps {
     /// The library's pair.
     pub(super) fn pair(device: &wgpu::Device, resolution: u32) -> Result<Self, Error> {
-        Self::new(PointShadows::new(device, &descriptor(resolution))?)
+        Self::new(device, PointShadows::new(device, &descriptor(resolution))?)
     }
 
     /// Maps of another shape.
     pub(super) fn shaped(device: &wgpu::Device, shape: MapShape, tuning: &Tuning) -> Result<Self, Error> {
-        Self::new(PointShadows::with_shape(device, &descriptor(shape.resolution), tuning, shape)?)
+        Self::new(device, PointShadows::with_shape(device, &descriptor(shape.resolution), tuning, shape)?)
     }
 
-    fn new(mut shadows: PointShadows) -> Result<Self, Error> {
+    fn new(device: &wgpu::Device, mut shadows: PointShadows) -> Result<Self, Error> {
         let light = shadows.add(PointLight::default())?;
-        Ok(Self { shadows, light })
+        Ok(Self { shadows, light, casters: None, casters_layout: crate::lookup::surface_layout(device) })
     }
 
     pub(super) fn record(
@@ -44,7 +48,14 @@ impl OwnMaps {
         self.shadows.set(self.light, *light)?;
         let made = self.shadows.record(device, queue, encoder, casters)?;
         debug_assert_eq!(made, 1, "the map was taken for fresh");
+        self.casters = Some(casters.bind_group().clone());
         Ok(())
+    }
+
+    /// The maps and the casters, as the library's lookup reads them.
+    pub(super) fn bind_groups(&self) -> [Bound<'_>; 2] {
+        let maps = (Some(self.shadows.bind_group()), self.shadows.bind_group_layout());
+        [maps, (self.casters.as_ref(), &self.casters_layout)]
     }
 
     pub(super) fn stop_after(&mut self, gpu: &Gpu, stage: Stage) {

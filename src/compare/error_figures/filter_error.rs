@@ -75,7 +75,7 @@ fn reach(truth: &Truth, receiver: &Receiver, geometry: &MapGeometry, filter: Fil
         FAR_TEXELS + rim / geometry.texel()
     };
     match filter {
-        Filter::Hard | Filter::Bilinear => FAR_TEXELS,
+        Filter::Hard | Filter::Sharp => FAR_TEXELS,
         Filter::Pcf3 => 2.0 * FAR_TEXELS,
         Filter::Pcf5 => 3.0 * FAR_TEXELS,
         Filter::Disc { radius, .. } => disc(radius.into()),
@@ -114,13 +114,13 @@ mod tests {
         let geometry = MapGeometry { resolution: 512, guard: 0.02 };
         let wrong: Vec<f32> = truth.lit.iter().map(|lit| if *lit { 0.0 } else { 1.0 }).collect();
         let disc = |radius| Filter::Disc { radius, taps: 1 };
-        let filters = [Filter::Bilinear, Filter::Pcf5, disc(0.05), Filter::soft(0.3), disc(0.3)];
+        let filters = [Filter::Sharp, Filter::Pcf5, disc(0.05), Filter::soft(0.3), disc(0.3)];
         let errors = filters.map(|filter| filter_error(&truth, &wrong, &geometry, filter));
         for (error, wider) in errors.iter().zip(&errors[1..]) {
             assert!(error.acne_ppm > wider.acne_ppm && error.underlight_ppm >= wider.underlight_ppm, "{errors:?}");
         }
         assert!(errors[0].acne_ppm + errors[0].underlight_ppm > 950_000.0, "{errors:?}");
         let right: Vec<f32> = truth.lit.iter().map(|lit| if *lit { LIT } else { 1.0 - LIT }).collect();
-        assert_eq!(filter_error(&truth, &right, &geometry, Filter::Bilinear), FilterError::default());
+        assert_eq!(filter_error(&truth, &right, &geometry, Filter::Sharp), FilterError::default());
     }
 }

@@ -1,11 +1,12 @@
 //! One pass over the screen (`shaders/compare/lookup_pass.wgsl`).
 
 use crate::PointLight;
+use crate::compare::baselines::Bound;
 use crate::compare::gpu::Gpu;
 use crate::compare::shot::Shot;
 use glam::Vec3;
 use serde::Serialize;
-use wgpu::util::{DeviceExt, TextureDataOrder};
+use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
 
 const PASS: &str = include_str!("../../../shaders/compare/lookup_pass.wgsl");
 
@@ -57,8 +58,8 @@ pub(super) enum ShadePass {
     Fragment(wgpu::RenderPipeline),
 }
 
-/// A map's bind group with its layout, where it has one.
-pub(super) type Bound<'a> = Option<(&'a wgpu::BindGroup, &'a wgpu::BindGroupLayout)>;
+/// Group of the screen, behind those of a map.
+const SCREEN_GROUP: usize = 3;
 
 impl Screen {
     pub(super) fn new(gpu: &Gpu, shot: &Shot, light: &PointLight) -> Self {
@@ -76,14 +77,20 @@ impl Screen {
             | wgpu::TextureUsages::COPY_SRC;
         let target = device.create_texture(&descriptor(shot, TARGET, usage));
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let group = |stage, views: &[&wgpu::TextureView]| {
-            let resources: Vec<_> = views.iter().map(|view| wgpu::BindingResource::TextureView(view)).collect();
-            crate::gpu::bind_group(device, "compare::screen", &layout(device, stage), &resources)
+        let camera = device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("dual_paraboloid::compare::camera"),
+            contents: bytemuck::bytes_of(&shot.eye.as_vec3().extend(shot.pixel_angle as f32)),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let mut resources: Vec<_> = recorded.iter().map(wgpu::BindingResource::TextureView).collect();
+        resources.extend([camera.as_entire_binding(), wgpu::BindingResource::TextureView(&view)]);
+        let group = |stage, resources: &[_]| {
+            crate::gpu::bind_group(device, "compare::screen", &layout(device, stage), resources)
         };
         Self {
             size: (shot.width, shot.height),
-            fragment: group(PassStage::Fragment, &[&recorded[0], &recorded[1]]),
-            compute: group(PassStage::Compute, &[&recorded[0], &recorded[1], &view]),
+            fragment: group(PassStage::Fragment, &resources[..3]),
+            compute: group(PassStage::Compute, &resources),
             target,
             view,
         }
@@ -99,26 +106,28 @@ impl Screen {
     }
 
     /// Records one pass over all pixels.
-    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, shade: &ShadePass, bound: Bound) {
+    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, shade: &ShadePass, map: &[Bound]) {
         match shade {
-            ShadePass::Compute(pipeline) => self.dispatch(encoder, pipeline, bound),
-            ShadePass::Fragment(pipeline) => self.draw(encoder, pipeline, bound),
+            ShadePass::Compute(pipeline) => self.dispatch(encoder, pipeline, map),
+            ShadePass::Fragment(pipeline) => self.draw(encoder, pipeline, map),
         }
     }
 
-    fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, pipeline: &wgpu::ComputePipeline, bound: Bound) {
+    fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, pipeline: &wgpu::ComputePipeline, map: &[Bound]) {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("dual_paraboloid::compare::light"),
             ..Default::default()
         });
         pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, bound.map(|(group, _)| group), &[]);
-        pass.set_bind_group(1, &self.compute, &[]);
+        for (number, (group, _)) in (0..).zip(map) {
+            pass.set_bind_group(number, *group, &[]);
+        }
+        pass.set_bind_group(SCREEN_GROUP as u32, &self.compute, &[]);
         let (width, height) = self.size;
         pass.dispatch_workgroups(width.div_ceil(WORKGROUP), height.div_ceil(WORKGROUP), 1);
     }
 
-    fn draw(&self, encoder: &mut wgpu::CommandEncoder, pipeline: &wgpu::RenderPipeline, bound: Bound) {
+    fn draw(&self, encoder: &mut wgpu::CommandEncoder, pipeline: &wgpu::RenderPipeline, map: &[Bound]) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("dual_paraboloid::compare::shade"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -130,21 +139,27 @@ impl Screen {
             ..Default::default()
         });
         pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, bound.map(|(group, _)| group), &[]);
-        pass.set_bind_group(1, &self.fragment, &[]);
+        for (number, (group, _)) in (0..).zip(map) {
+            pass.set_bind_group(number, *group, &[]);
+        }
+        pass.set_bind_group(SCREEN_GROUP as u32, &self.fragment, &[]);
         pass.draw(0..3, 0..1);
     }
 }
 
 impl ShadePass {
     /// A pass that evaluates the `expression` over `position` and `normal`, with the `text` of its lookup, in maps that
-    /// are bound like `bound`.
-    pub(super) fn new(gpu: &Gpu, stage: PassStage, bound: Bound, text: &str, expression: &str) -> Self {
+    /// are bound like this one.
+    pub(super) fn new(gpu: &Gpu, stage: PassStage, map: &[Bound], text: &str, expression: &str) -> Self {
         let device = &gpu.device;
         let module = crate::gpu::shader(device, "compare::shade", module(text, expression));
+        let screen = layout(device, stage);
+        let mut layouts: Vec<_> = map.iter().map(|(_, layout)| Some(*layout)).collect();
+        layouts.resize(SCREEN_GROUP, None);
+        layouts.push(Some(&screen));
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("dual_paraboloid::compare::shade"),
-            bind_group_layouts: &[bound.map(|(_, layout)| layout), Some(&layout(device, stage))],
+            bind_group_layouts: &layouts,
             ..Default::default()
         });
         match stage {
@@ -245,8 +260,13 @@ fn layout(device: &wgpu::Device, stage: PassStage) -> wgpu::BindGroupLayout {
         format: TARGET,
         view_dimension,
     };
-    let mut entries = vec![entry(0, recorded), entry(1, recorded)];
-    entries.extend((stage == PassStage::Compute).then(|| entry(2, target)));
+    let camera = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let mut entries = vec![entry(0, recorded), entry(1, recorded), entry(2, camera)];
+    entries.extend((stage == PassStage::Compute).then(|| entry(3, target)));
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("dual_paraboloid::compare::screen"),
         entries: &entries,

@@ -63,7 +63,9 @@ impl Grid {
                 unit: 1.0,
                 bias: |ray, normal| Bias { ray, normal, ..Bias::default() },
             }),
-            Lookup::Paraboloid | Lookup::Filtered | Lookup::VertexWarpShipped | Lookup::CubeShipped => None,
+            Lookup::Paraboloid | Lookup::Votes | Lookup::Filtered | Lookup::VertexWarpShipped | Lookup::CubeShipped => {
+                None
+            }
         }
     }
 
@@ -225,7 +227,9 @@ mod tests {
 
     #[test]
     fn fixed_biases_have_no_grid() {
-        for lookup in [Lookup::Paraboloid, Lookup::Filtered, Lookup::VertexWarpShipped, Lookup::CubeShipped] {
+        for lookup in
+            [Lookup::Paraboloid, Lookup::Votes, Lookup::Filtered, Lookup::VertexWarpShipped, Lookup::CubeShipped]
+        {
             assert!(Grid::new(lookup, 1.0).is_none() && lookup.default_bias().is_none(), "{lookup:?}");
         }
     }

@@ -110,7 +110,7 @@ impl<'a> Judge<'a> {
         let geometry = MapGeometry { resolution: shadows.maps().height(), guard };
         let (map, error) = truth.ideal(geometry);
         let stored: Vec<f32> = self.gpu.read_texture(baseline.map(), 0);
-        let kernel = if lookup == Lookup::Filtered { self.light.filter } else { Filter::Bilinear };
+        let kernel = if lookup == Lookup::Filtered { self.light.filter } else { Filter::Sharp };
         Ok(Some(Judged {
             map: Some(map_error(&stored, &map, &truth.reference, &truth.view)),
             shadow: truth.judge(&values),

@@ -1,11 +1,10 @@
-//! The casters' triangles and their neighbours as the shaders read them.
+//! The casters' triangles and their neighbours as lookups read them.
 
 use crate::casters::ChunkSource;
-use crate::chunks::{self, Vertex};
+use crate::chunks::{self, TriangleRecord, Vertex};
 use crate::compare::gpu::Gpu;
 use crate::compare::ideal::NO_TRIANGLE;
 use crate::compare::scene::{Scene, SceneInstance, SceneMesh, world_positions};
-use crate::neighbours::Beyond;
 use crate::{CasterMesh, Casters, Indices};
 use glam::Vec3;
 
@@ -14,8 +13,7 @@ use glam::Vec3;
 pub struct Surface {
     chunks: Vec<Chunk>,
     vertices: Vec<Vec3>,
-    triangles: Vec<u32>,
-    neighbours: Vec<[Beyond; 3]>,
+    triangles: Vec<TriangleRecord>,
 }
 
 /// Where a chunk of an instance has its data.
@@ -47,8 +45,7 @@ impl Surface {
         let indices = Indices::U32(&mesh.indices);
         let cut = chunks::cut(&CasterMesh { positions: &mesh.positions, indices, ..Default::default() });
         let first = self.triangles.len() as u32;
-        self.triangles.extend(&cut.triangles);
-        self.neighbours.extend(&cut.neighbours);
+        self.triangles.extend(&cut.records);
         (first, cut)
     }
 
@@ -80,10 +77,9 @@ impl Surface {
         let sources: Vec<ChunkSource> = gpu.read(casters.chunk_sources.buffer());
         let vertices: Vec<Vertex> = gpu.read(casters.vertices.buffer());
         Self {
-            chunks: sources.iter().map(|source| Chunk { vertex: source.vertex, triangle: source.triangle }).collect(),
+            chunks: sources.iter().map(|source| Chunk { vertex: source.vertex, triangle: source.record }).collect(),
             vertices: vertices.iter().map(|vertex| vertex.position).collect(),
-            triangles: gpu.read(casters.triangles.buffer()),
-            neighbours: gpu.read(casters.neighbours.buffer()),
+            triangles: gpu.read(casters.records.arena().buffer()),
         }
     }
 
@@ -91,9 +87,9 @@ impl Surface {
     #[must_use]
     pub fn triangle(&self, number: u32) -> SurfaceTriangle {
         let Chunk { vertex, triangle } = self.chunks[(number >> 8) as usize];
-        let at = (triangle + (number & 0xff)) as usize;
-        let corners = [0, 8, 16].map(|shift| vertex + (self.triangles[at] >> shift & 0xff));
-        SurfaceTriangle { corners, beyond: self.neighbours[at].map(|beyond| beyond.0) }
+        let TriangleRecord { corners, beyond } = self.triangles[(triangle + (number & 0xff)) as usize];
+        let corners = [0, 8, 16].map(|shift| vertex + (corners >> shift & 0xff));
+        SurfaceTriangle { corners, beyond: beyond.map(|beyond| beyond.0) }
     }
 
     /// A vertex in world space.

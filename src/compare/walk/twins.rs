@@ -1,4 +1,4 @@
-//! The functions of `shaders/walk.wgsl` under the same names, in single and in double precision.
+//! The functions of `shaders/exact.wgsl` under the same names, in single and in double precision.
 
 use super::{FLAT, OVER, OWN, ROUNDING, Surface};
 use crate::compare::ideal::{BIAS, FADE, MapGeometry, NO_TRIANGLE, QUORUM, RAMP, SLOPE};

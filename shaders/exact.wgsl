@@ -1,5 +1,4 @@
-// Walk: where the texels around a receiver disagree, their triangles are asked. To be pasted after paraboloid.wgsl and
-// lookup.wgsl; twin of src/compare/walk/twins.rs.
+// Exact edges: where the texels around a receiver disagree, their triangles are asked. Twin of src/compare/walk/twins.rs.
 //
 // From the triangle under a texel's centre the walk crosses edge after edge of its mesh towards the receiver's direction,
 // until a triangle has the ray inside it or the surface ends. A triangle that has it and stands before the receiver
@@ -22,31 +21,34 @@ const DP_WALK_FLAT: f32 = 0.02;
 // factor.
 const DP_WALK_OWN: f32 = 0.02;
 const DP_WALK_OWN_GRAZING: f32 = 0.05;
+// Points of a pixel that are asked, in its steps: the first two, opposite to each other, and the others where those differ.
+const DP_PIXEL_POINTS: array<vec2<f32>, 4> = array<vec2<f32>, 4>(
+    vec2<f32>(-0.125, -0.375), vec2<f32>(0.125, 0.375), vec2<f32>(0.375, -0.125), vec2<f32>(-0.375, 0.125),
+);
 
 const DP_NO_TRIANGLE: u32 = 0xffffffffu;
 // Beyond an edge: the surface's end. See src/neighbours.rs.
 const DP_NOTHING: u32 = 3u;
+// Bit of a chunk's kind: its mesh has holes.
+const DP_MASKED: u32 = 2u;
 
-// Where a chunk has its data: the casters' `ChunkSource`, of which the walk reads two words.
+// `ChunkBounds` of shaders/casters.wgsl, of which lookups read the last part.
 struct DpChunk {
-    local_vertex: u32,
-    vertex: u32,
-    triangle: u32,
-    counts: u32,
-    pieces: array<vec4<u32>, 2>,
+    bounds: array<vec4<f32>, 5>,
+    // Its first vertex, the first of its triangles among the mesh records, the number of the casters' update that moved it, 0
+    // if it is gone, and its kind.
+    place: vec4<u32>,
 }
 
 // Number of the triangle under each texel's centre: its chunk in bits 8-31, its place there in bits 0-7.
 @group(DP_GROUP) @binding(3) var dp_numbers: texture_2d_array<u32>;
-@group(DP_GROUP) @binding(4) var<storage, read> dp_chunks: array<DpChunk>;
-// Corners as places among the chunk's vertices: bits 0-7, 8-15, 16-23.
-@group(DP_GROUP) @binding(5) var<storage, read> dp_triangles: array<u32>;
-// Three a triangle, what lies beyond the edge from each corner to the next one: bits 0-1 the edge's number in the
-// neighbour, bit 2 whether the neighbour is wound the other way, bits 3-10 its place in its chunk, bits 11-31 its chunk
-// less the triangle's own.
-@group(DP_GROUP) @binding(6) var<storage, read> dp_beyond: array<u32>;
+@group(DP_CASTERS_GROUP) @binding(0) var<storage, read> dp_chunks: array<DpChunk>;
+// Of triangles the corners as places among the chunk's vertices (bits 0-7, 8-15, 16-23) and what lies beyond the edge from
+// each corner to the next one: bits 0-1 the edge's number in the neighbour, bit 2 whether the neighbour is wound the other
+// way, bits 3-10 its place in its chunk, bits 11-31 its chunk less the triangle's own. Of masks see mask.wgsl.
+@group(DP_CASTERS_GROUP) @binding(1) var<storage, read> dp_meshes: array<vec4<u32>>;
 // Positions in world space, and a word more.
-@group(DP_GROUP) @binding(7) var<storage, read> dp_vertices: array<vec4<f32>>;
+@group(DP_CASTERS_GROUP) @binding(2) var<storage, read> dp_vertices: array<vec4<f32>>;
 
 // The ray from the light to a receiver as the third of three axes (Duff et al., "Building an Orthonormal Basis, Revisited",
 // JCGT 2017). Seen along it a walk is one in the plane, with the receiver at the origin; what rounding loses is 1e-7 rad,
@@ -63,9 +65,9 @@ fn dp_walk_frame(light: vec3<f32>, ray: vec3<f32>) -> DpWalkFrame {
     return DpWalkFrame(light, ray, s, -1.0 / (s + ray.z));
 }
 
-// A point of the world by these axes.
-fn dp_walk_see(frame: DpWalkFrame, point: vec3<f32>) -> vec3<f32> {
-    let p = point - frame.light;
+// A vertex by these axes.
+fn dp_walk_see(frame: DpWalkFrame, vertex: u32) -> vec3<f32> {
+    let p = dp_vertices[vertex].xyz - frame.light;
     let h = dot(p.xy, frame.ray.xy);
     let k = frame.a * h - p.z;
     return vec3<f32>(p.x + frame.s * frame.ray.x * k, frame.s * p.y + frame.ray.y * k, h + frame.ray.z * p.z);
@@ -82,34 +84,31 @@ fn dp_walk_beside(side: f32, a: vec3<f32>, b: vec3<f32>) -> f32 {
     return side * inverseSqrt(max(dot(ab, ab), 1e-30));
 }
 
-// How a walk ends.
-struct DpWalk {
-    // Distance from the light at which the triangle crosses the ray; DP_WALK_OFF where the surface ends before the ray,
-    // DP_WALK_LOST without an answer.
-    distance: f32,
-    triangle: u32,
-}
-
+// How a walk ends: the distance from the light at which a triangle crosses the ray, or one of these. The surface ends before
+// the ray, or has a hole there.
 const DP_WALK_OFF: f32 = 0.0;
+// There is no answer.
 const DP_WALK_LOST: f32 = -1.0;
 
-// A triangle as a walk reads it.
+// A triangle as a walk reads it: its record, and its chunk's first vertex and kind.
 struct DpWalked {
-    // Number of its first vertex's chunk among all vertices, its corners, and its place among all triangles.
+    record: vec4<u32>,
     vertex: u32,
-    corners: u32,
-    index: u32,
+    kind: u32,
 }
 
-fn dp_walk_triangle(number: u32) -> DpWalked {
-    let chunk = number >> 8u;
-    let index = dp_chunks[chunk].triangle + (number & 0xffu);
-    return DpWalked(dp_chunks[chunk].vertex, dp_triangles[index], index);
+fn dp_walk_triangle(place: vec4<u32>, triangle: u32) -> DpWalked {
+    return DpWalked(dp_meshes[place.y + (triangle & 0xffu)], place.x, place.w);
 }
 
 // Number of a triangle's vertex at corner `k`, from 0 to 2.
 fn dp_walk_vertex(triangle: DpWalked, k: u32) -> u32 {
-    return triangle.vertex + ((triangle.corners >> (8u * k)) & 0xffu);
+    return triangle.vertex + ((triangle.record.x >> (8u * k)) & 0xffu);
+}
+
+// What lies beyond the edge `k`.
+fn dp_walk_beyond(triangle: DpWalked, k: u32) -> u32 {
+    return select(select(triangle.record.w, triangle.record.z, k == 1u), triangle.record.y, k == 0u);
 }
 
 // `k + by` among the numbers 0, 1 and 2.
@@ -118,27 +117,47 @@ fn dp_walk_turn(k: u32, by: u32) -> u32 {
     return select(sum, sum - 3u, sum >= 3u);
 }
 
-// By a triangle's volume with the light and the sum of its sides.
-fn dp_walk_end(volume: f32, sides: f32, number: u32) -> DpWalk {
-    let ends = volume > 0.0 && sides > 0.0;
-    return DpWalk(select(DP_WALK_OFF, volume / sides, ends), number);
+// In the triangle that the ray is inside of: by its volume with the light, its vertices, and the sides of the edges opposite
+// to them.
+fn dp_walk_end(kind: u32, volume: f32, vertices: vec3<u32>, sides: vec3<f32>) -> f32 {
+    let sum = sides.x + sides.y + sides.z;
+    if !(volume > 0.0 && sum > 0.0) {
+        return DP_WALK_OFF;
+    }
+    if (kind & DP_MASKED) != 0u {
+        let a = dp_mask_vertex(bitcast<u32>(dp_vertices[vertices.x].w));
+        let b = dp_mask_vertex(bitcast<u32>(dp_vertices[vertices.y].w));
+        let c = dp_mask_vertex(bitcast<u32>(dp_vertices[vertices.z].w));
+        if dp_is_hole(a, b, c, sides * (1.0 / sum)) {
+            return DP_WALK_OFF;
+        }
+    }
+    return volume / sum;
 }
 
-// Walks from a triangle over its neighbours towards the ray.
-fn dp_walk_from(start: u32, frame: DpWalkFrame) -> DpWalk {
-    var number = start;
-    let first = dp_walk_triangle(number);
-    let vertices = vec3<u32>(dp_walk_vertex(first, 0u), dp_walk_vertex(first, 1u), dp_walk_vertex(first, 2u));
-    let a = dp_walk_see(frame, dp_vertices[vertices.x].xyz);
-    let b = dp_walk_see(frame, dp_vertices[vertices.y].xyz);
-    let c = dp_walk_see(frame, dp_vertices[vertices.z].xyz);
+// Walks from a triangle over its neighbours towards the ray. Casters that have changed since the map was made aren't those it
+// shows.
+fn dp_walk_from(number: u32, made: u32, frame: DpWalkFrame) -> f32 {
+    var chunk = number >> 8u;
+    if chunk >= arrayLength(&dp_chunks) {
+        return DP_WALK_LOST;
+    }
+    var place = dp_chunks[chunk].place;
+    if place.z == 0u || place.z > made {
+        return DP_WALK_LOST;
+    }
+    var triangle = dp_walk_triangle(place, number);
+    let vertices = vec3<u32>(dp_walk_vertex(triangle, 0u), dp_walk_vertex(triangle, 1u), dp_walk_vertex(triangle, 2u));
+    let a = dp_walk_see(frame, vertices.x);
+    let b = dp_walk_see(frame, vertices.y);
+    let c = dp_walk_see(frame, vertices.z);
     var sides = vec3<f32>(dp_walk_side(a, b), dp_walk_side(b, c), dp_walk_side(c, a));
     let start_volume = a.z * sides.y + b.z * sides.z + c.z * sides.x;
     // Walks go as if the triangle's front faced away from the light.
     var turned = start_volume < 0.0;
     sides = select(sides, -sides, turned);
     if min(sides.x, min(sides.y, sides.z)) >= 0.0 {
-        return dp_walk_end(abs(start_volume), sides.x + sides.y + sides.z, number);
+        return dp_walk_end(triangle.kind, abs(start_volume), vertices, sides.yzx);
     }
     let beside = vec3<f32>(
         dp_walk_beside(sides.x, a, b),
@@ -176,16 +195,19 @@ fn dp_walk_from(start: u32, frame: DpWalkFrame) -> DpWalk {
         q_vertex = p_vertex;
         p_vertex = end_vertex;
     }
-    var beyond = dp_beyond[3u * first.index + edge];
+    var beyond = dp_walk_beyond(triangle, edge);
     for (var step = 0u; step < DP_WALK_STEPS; step++) {
         if (beyond & 3u) == 3u {
             break;
         }
-        let chunk = u32(i32(number >> 8u) + (bitcast<i32>(beyond) >> 11u));
-        number = (chunk << 8u) | ((beyond >> 3u) & 0xffu);
+        let chunks = bitcast<i32>(beyond) >> 11u;
+        if chunks != 0 {
+            chunk = u32(i32(chunk) + chunks);
+            place = dp_chunks[chunk].place;
+        }
+        triangle = dp_walk_triangle(place, beyond >> 3u);
         let entered = beyond & 3u;
         turned = turned != ((beyond & 4u) != 0u);
-        let triangle = dp_walk_triangle(number);
         let one = dp_walk_vertex(triangle, entered);
         let other = dp_walk_vertex(triangle, dp_walk_turn(entered, 1u));
         let p_here = select(other, one, turned);
@@ -194,27 +216,27 @@ fn dp_walk_from(start: u32, frame: DpWalkFrame) -> DpWalk {
         if p_here != p_vertex || q_here != q_vertex {
             p_vertex = p_here;
             q_vertex = q_here;
-            p = dp_walk_see(frame, dp_vertices[p_here].xyz);
-            q = dp_walk_see(frame, dp_vertices[q_here].xyz);
+            p = dp_walk_see(frame, p_here);
+            q = dp_walk_see(frame, q_here);
             crossed = dp_walk_side(q, p);
         }
         let n_vertex = dp_walk_vertex(triangle, dp_walk_turn(entered, 2u));
-        let n = dp_walk_see(frame, dp_vertices[n_vertex].xyz);
+        let n = dp_walk_see(frame, n_vertex);
         let pn = dp_walk_side(p, n);
         let nq = dp_walk_side(n, q);
         let volume = q.z * pn + p.z * nq + n.z * crossed;
         // It faces the other way: what is behind it the first texel didn't see.
         if volume < 0.0 {
-            return DpWalk(DP_WALK_OFF, number);
+            return DP_WALK_OFF;
         }
         if min(pn, nq) >= 0.0 {
             if crossed < 0.0 {
-                return DpWalk(DP_WALK_OFF, number);
+                return DP_WALK_OFF;
             }
-            return dp_walk_end(volume, pn + nq + crossed, number);
+            return dp_walk_end(triangle.kind, volume, vec3<u32>(q_vertex, p_vertex, n_vertex), vec3<f32>(pn, nq, crossed));
         }
         let over_pn = dp_walk_beside(pn, p, n) < dp_walk_beside(nq, n, q);
-        beyond = dp_beyond[3u * triangle.index + dp_walk_turn(entered, select(1u, 2u, over_pn == turned))];
+        beyond = dp_walk_beyond(triangle, dp_walk_turn(entered, select(1u, 2u, over_pn == turned)));
         if over_pn {
             q = n;
             q_vertex = n_vertex;
@@ -225,17 +247,7 @@ fn dp_walk_from(start: u32, frame: DpWalkFrame) -> DpWalk {
             crossed = -nq;
         }
     }
-    return DpWalk(select(DP_WALK_LOST, DP_WALK_OFF, beyond == DP_NOTHING), number);
-}
-
-// The triangles of the four texels that `dp_neighbours` has.
-fn dp_walk_gather(light: u32, receiver: DpReceiver) -> vec4<u32> {
-    let resolution = dp_lights[light].resolution;
-    let last = max(resolution - 2.0, 0.0);
-    let base = clamp(floor(dp_texel_position(light, receiver.map)), vec2<f32>(0.0), vec2<f32>(last));
-    let corner = dp_lights[light].origin + vec2<f32>(select(0.0, resolution, receiver.back), 0.0);
-    let at = (corner + base + 1.0) * (1.0 / vec2<f32>(textureDimensions(dp_numbers)));
-    return textureGather(0, dp_numbers, dp_sampler, at, dp_lights[light].layer);
+    return select(DP_WALK_LOST, DP_WALK_OFF, beyond == DP_NOTHING);
 }
 
 // What is known of a receiver whose texels disagree.
@@ -256,6 +268,8 @@ struct DpWalkQuad {
     own: f32,
     // What is nearer than this to the light isn't in the map.
     nearest: f32,
+    // Number of the casters' update that the map shows.
+    made: u32,
     votes: f32,
 }
 
@@ -263,6 +277,7 @@ struct DpWalkQuad {
 struct DpWalkFirst {
     mixed: bool,
     value: f32,
+    grazing: f32,
     quad: DpWalkQuad,
 }
 
@@ -270,54 +285,64 @@ fn dp_walk_bits(which: vec4<bool>) -> u32 {
     return dot(select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), which), vec4<u32>(1u));
 }
 
-fn dp_walk_first(light: u32, position: vec3<f32>, normal: vec3<f32>) -> DpWalkFirst {
-    var first: DpWalkFirst;
-    first.value = 1.0;
-    let receiver = dp_locate(light, position, normal);
-    if dp_is_out_of_range(light, receiver) {
-        return first;
-    }
-    if !dp_has_hemisphere(light, receiver.back) {
-        first.value = 0.0;
-        return first;
-    }
-    let around = dp_neighbours(light, receiver.back, receiver.map);
+// What margins a receiver has, over its distance where nothing else is said.
+struct DpWalkMargins {
+    footprint: f32,
+    grazing: f32,
+    // What single precision loses, and how far the receiver may lie off the casters' surface, along the ray.
+    rounding: f32,
+    // Up to so far before or behind the receiver's plane a texel holds its own surface for certain.
+    flat_bound: f32,
+}
+
+fn dp_walk_margins(light: u32, position: vec3<f32>, receiver: DpReceiver) -> DpWalkMargins {
     let footprint = dp_footprint(light, receiver.map);
-    let plane = dp_plane(light, receiver);
-    let judge = dp_judge(light, receiver);
-    let depths = dp_plane_depths(plane, around.texels.u, around.texels.v);
     let grazing = dp_grazing(receiver);
     let coordinates = max(abs(position), abs(dp_lights[light].position));
     let farthest = max(coordinates.x, max(coordinates.y, coordinates.z));
-    let rounding = DP_WALK_ROUNDING * grazing * (3.0 + farthest / receiver.distance);
-    let flat_bound = DP_WALK_FLAT * grazing * footprint + rounding;
-    if all(around.texels.stored <= (1.0 + flat_bound) * depths) {
+    let rounding =
+        DP_WALK_ROUNDING * grazing * (3.0 + farthest / receiver.distance) + dp_offset(light, receiver, grazing);
+    return DpWalkMargins(footprint, grazing, rounding, DP_WALK_FLAT * grazing * footprint + rounding);
+}
+
+fn dp_walk_first(light: u32, position: vec3<f32>, receiver: DpReceiver) -> DpWalkFirst {
+    var first: DpWalkFirst;
+    first.value = 1.0;
+    let around = dp_neighbours(light, receiver.back, receiver.map);
+    let margins_at = dp_walk_margins(light, position, receiver);
+    let depths = dp_plane_depths(dp_plane(light, receiver), around.texels.u, around.texels.v);
+    if all(around.texels.stored <= (1.0 + margins_at.flat_bound) * depths) {
         return first;
     }
-    if all(around.texels.stored >= dp_bounds(judge, footprint).dark * depths) {
+    let judge = dp_judge(light, receiver);
+    if all(around.texels.stored >= dp_bounds(judge, margins_at.footprint).dark * depths) {
         first.value = 0.0;
         return first;
     }
-    let margins = dp_margins(around.texels.stored, depths, footprint);
+    first.mixed = true;
+    first.grazing = margins_at.grazing;
+    let margins = dp_margins(around.texels.stored, depths, margins_at.footprint);
     let votes = dp_votes(judge, margins);
-    let triangles = dp_walk_gather(light, receiver);
+    let triangles = textureGather(0, dp_numbers, dp_sampler, around.texels.at, dp_lights[light].layer);
     let most = max(max(margins.x, margins.y), max(margins.z, margins.w));
     let low = select(triangles.x, triangles.y, margins.y == most);
     let dark = margins > vec4<f32>(judge.bias);
-    let level = !dark & (abs(margins) < vec4<f32>(DP_WALK_OWN_GRAZING * grazing));
-    let own = abs(margins) <= vec4<f32>(flat_bound / footprint);
+    let level = !dark & (abs(margins) < vec4<f32>(DP_WALK_OWN_GRAZING * margins_at.grazing));
+    let own = abs(margins) <= vec4<f32>(margins_at.flat_bound / margins_at.footprint);
     // Of the caller's own casters.
     let unnumbered = (triangles == vec4<u32>(DP_NO_TRIANGLE)) & (around.texels.stored > vec4<f32>(0.0));
-    first.mixed = true;
     first.quad.lead = select(select(low, triangles.z, margins.z == most), triangles.w, margins.w == most);
     first.quad.dark = dp_walk_bits(dark);
     first.quad.level = dp_walk_bits(level);
     first.quad.own_seen = any(own | (unnumbered & level));
     first.quad.lost = any(unnumbered & dark);
     first.quad.triangles = select(triangles, vec4<u32>(DP_NO_TRIANGLE), own);
-    first.quad.over = (DP_WALK_OVER + DP_WALK_OVER_GRAZING * grazing) * footprint + rounding;
-    first.quad.own = -(DP_WALK_OWN + DP_WALK_OWN_GRAZING * grazing) * footprint;
+    first.quad.over =
+        (DP_WALK_OVER + DP_WALK_OVER_GRAZING * margins_at.grazing) * margins_at.footprint + margins_at.rounding;
+    first.quad.own = -(DP_WALK_OWN + DP_WALK_OWN_GRAZING * margins_at.grazing) * margins_at.footprint
+        - dp_offset(light, receiver, margins_at.grazing);
     first.quad.nearest = dp_lights[light].near * receiver.distance / receiver.w;
+    first.quad.made = dp_lights[light].made;
     first.quad.votes = dp_count(dot(around.weights, votes.lit), dot(around.weights, votes.dark));
     return first;
 }
@@ -326,11 +351,11 @@ fn dp_walk_least(triangles: vec4<u32>) -> u32 {
     return min(min(triangles.x, triangles.y), min(triangles.z, triangles.w));
 }
 
-// 1 or 0 for certain, or the votes.
-fn dp_walk_decide(light: u32, position: vec3<f32>, quad: DpWalkQuad) -> f32 {
-    let relative = position - dp_lights[light].position;
+// 1 or 0 for certain, or the votes, at a point that may lie so far off the receiver's surface.
+fn dp_walk_decide(light: vec3<f32>, position: vec3<f32>, quad: DpWalkQuad, off: f32) -> f32 {
+    let relative = position - light;
     let distance = length(relative);
-    let frame = dp_walk_frame(dp_lights[light].position, relative * (1.0 / distance));
+    let frame = dp_walk_frame(light, relative * (1.0 / distance));
     var own = quad.own_seen;
     var lost = quad.lost;
     // Each triangle once: first the leading one, then in the order of their numbers, of which DP_NO_TRIANGLE is the last.
@@ -338,14 +363,14 @@ fn dp_walk_decide(light: u32, position: vec3<f32>, quad: DpWalkQuad) -> f32 {
     var triangle = select(quad.lead, dp_walk_least(rest), quad.lead == DP_NO_TRIANGLE);
     while triangle != DP_NO_TRIANGLE {
         rest = select(rest, vec4<u32>(DP_NO_TRIANGLE), rest == vec4<u32>(triangle));
-        let end = dp_walk_from(triangle, frame);
-        if end.distance > 0.0 && end.distance >= quad.nearest {
-            let margin = distance / end.distance - 1.0;
-            if margin > quad.over {
+        let end = dp_walk_from(triangle, quad.made, frame);
+        if end > 0.0 && end >= quad.nearest {
+            let margin = distance / end - 1.0;
+            if margin > quad.over + off / distance {
                 return 0.0;
             }
             own = own || margin > quad.own;
-        } else if end.distance < 0.0 {
+        } else if end < 0.0 {
             let here = dp_walk_bits(quad.triangles == vec4<u32>(triangle));
             lost = lost || (here & quad.dark) != 0u;
             own = own || (here & quad.level) != 0u;
@@ -355,11 +380,41 @@ fn dp_walk_decide(light: u32, position: vec3<f32>, quad: DpWalkQuad) -> f32 {
     return select(quad.votes, 1.0, own && !lost);
 }
 
-// Share of the light that reaches `position`, 0 or 1 but where no triangle says; the arguments are those of `dp_shadow`.
-fn dp_walk_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
-    let first = dp_walk_first(light, position, normal);
+// What `dp_shadow` answers where the maps have to be asked. Pixels whose texels agree read nothing but four depths.
+fn dp_sample_sharp(
+    light: u32,
+    position: vec3<f32>,
+    normal: vec3<f32>,
+    pixel: mat2x3<f32>,
+    receiver: DpReceiver,
+) -> f32 {
+    let first = dp_walk_first(light, position, receiver);
     if !first.mixed {
         return first.value;
     }
-    return dp_walk_decide(light, position, first.quad);
+    let centre = dp_lights[light].position;
+    if all(pixel[0] == vec3<f32>(0.0)) && all(pixel[1] == vec3<f32>(0.0)) {
+        return dp_walk_decide(centre, position, first.quad, 0.0);
+    }
+    let across = dp_walk_within(light, receiver, normal, pixel[0]);
+    let down = dp_walk_within(light, receiver, normal, pixel[1]);
+    var points = DP_PIXEL_POINTS;
+    var sum = 0.0;
+    for (var k = 0u; k < 4u; k++) {
+        // The first two agree: so will the others.
+        if k == 2u && (sum == 0.0 || sum == 2.0) {
+            return 0.5 * sum;
+        }
+        let aside = across * points[k].x + down * points[k].y;
+        // Beyond a crease the receiver's plane runs under the next surface.
+        sum += dp_walk_decide(centre, position + aside, first.quad, first.grazing * length(aside));
+    }
+    return 0.25 * sum;
+}
+
+// A step on the receiver's plane, and no farther than a texel: around the pixel's middle its four texels know what is there.
+fn dp_walk_within(light: u32, receiver: DpReceiver, normal: vec3<f32>, step: vec3<f32>) -> vec3<f32> {
+    let along = step - normal * (dot(normal, step) / max(dot(normal, normal), 1e-30));
+    let most = 2.0 * receiver.distance / dp_lights[light].texels;
+    return along * min(1.0, most * inverseSqrt(max(dot(along, along), 1e-30)));
 }
