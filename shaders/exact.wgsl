@@ -3,7 +3,7 @@
 // From the triangle under a texel's centre the walk crosses edge after edge of its mesh towards the receiver's direction,
 // until a triangle has the ray inside it or the surface ends. A triangle that has it and stands before the receiver
 // shadows it for certain; the receiver's own surface, and nothing else, says that it is lit. What walks can't tell the
-// votes decide.
+// votes decide. None of this depends on the projection of the maps; sharp.wgsl has what is the pair's.
 
 // Triangles beyond the first that a walk looks at.
 const DP_WALK_STEPS: u32 = 16u;
@@ -40,8 +40,6 @@ struct DpChunk {
     place: vec4<u32>,
 }
 
-// Number of the triangle under each texel's centre: its chunk in bits 8-31, its place there in bits 0-7.
-@group(DP_GROUP) @binding(3) var dp_numbers: texture_2d_array<u32>;
 @group(DP_CASTERS_GROUP) @binding(0) var<storage, read> dp_chunks: array<DpChunk>;
 // Of triangles the corners as places among the chunk's vertices (bits 0-7, 8-15, 16-23) and what lies beyond the edge from
 // each corner to the next one: bits 0-1 the edge's number in the neighbour, bit 2 whether the neighbour is wound the other
@@ -295,8 +293,7 @@ struct DpWalkMargins {
     flat_bound: f32,
 }
 
-fn dp_walk_margins(light: u32, position: vec3<f32>, receiver: DpReceiver) -> DpWalkMargins {
-    let footprint = dp_footprint(light, receiver.map);
+fn dp_walk_margins(light: u32, position: vec3<f32>, receiver: DpReceiver, footprint: f32) -> DpWalkMargins {
     let grazing = dp_grazing(receiver);
     let coordinates = max(abs(position), abs(dp_lights[light].position));
     let farthest = max(coordinates.x, max(coordinates.y, coordinates.z));
@@ -305,46 +302,40 @@ fn dp_walk_margins(light: u32, position: vec3<f32>, receiver: DpReceiver) -> DpW
     return DpWalkMargins(footprint, grazing, rounding, DP_WALK_FLAT * grazing * footprint + rounding);
 }
 
-fn dp_walk_first(light: u32, position: vec3<f32>, receiver: DpReceiver) -> DpWalkFirst {
-    var first: DpWalkFirst;
-    first.value = 1.0;
-    let around = dp_neighbours(light, receiver.back, receiver.map);
-    let margins_at = dp_walk_margins(light, position, receiver);
-    let depths = dp_plane_depths(dp_plane(light, receiver), around.texels.u, around.texels.v);
-    if all(around.texels.stored <= (1.0 + margins_at.flat_bound) * depths) {
-        return first;
-    }
-    let judge = dp_judge(light, receiver);
-    if all(around.texels.stored >= dp_bounds(judge, margins_at.footprint).dark * depths) {
-        first.value = 0.0;
-        return first;
-    }
-    first.mixed = true;
-    first.grazing = margins_at.grazing;
-    let margins = dp_margins(around.texels.stored, depths, margins_at.footprint);
+// What is known of a receiver by four texels, whose plane has these depths there.
+fn dp_walk_quad(
+    light: u32,
+    receiver: DpReceiver,
+    stored: vec4<f32>,
+    depths: vec4<f32>,
+    weights: vec4<f32>,
+    triangles: vec4<u32>,
+    judge: DpJudge,
+    margins_at: DpWalkMargins,
+) -> DpWalkQuad {
+    var quad: DpWalkQuad;
+    let margins = dp_margins(stored, depths, margins_at.footprint);
     let votes = dp_votes(judge, margins);
-    let triangles = textureGather(0, dp_numbers, dp_sampler, around.texels.at, dp_lights[light].layer);
     let most = max(max(margins.x, margins.y), max(margins.z, margins.w));
     let low = select(triangles.x, triangles.y, margins.y == most);
     let dark = margins > vec4<f32>(judge.bias);
     let level = !dark & (abs(margins) < vec4<f32>(DP_WALK_OWN_GRAZING * margins_at.grazing));
     let own = abs(margins) <= vec4<f32>(margins_at.flat_bound / margins_at.footprint);
     // Of the caller's own casters.
-    let unnumbered = (triangles == vec4<u32>(DP_NO_TRIANGLE)) & (around.texels.stored > vec4<f32>(0.0));
-    first.quad.lead = select(select(low, triangles.z, margins.z == most), triangles.w, margins.w == most);
-    first.quad.dark = dp_walk_bits(dark);
-    first.quad.level = dp_walk_bits(level);
-    first.quad.own_seen = any(own | (unnumbered & level));
-    first.quad.lost = any(unnumbered & dark);
-    first.quad.triangles = select(triangles, vec4<u32>(DP_NO_TRIANGLE), own);
-    first.quad.over =
-        (DP_WALK_OVER + DP_WALK_OVER_GRAZING * margins_at.grazing) * margins_at.footprint + margins_at.rounding;
-    first.quad.own = -(DP_WALK_OWN + DP_WALK_OWN_GRAZING * margins_at.grazing) * margins_at.footprint
+    let unnumbered = (triangles == vec4<u32>(DP_NO_TRIANGLE)) & (stored > vec4<f32>(0.0));
+    quad.lead = select(select(low, triangles.z, margins.z == most), triangles.w, margins.w == most);
+    quad.dark = dp_walk_bits(dark);
+    quad.level = dp_walk_bits(level);
+    quad.own_seen = any(own | (unnumbered & level));
+    quad.lost = any(unnumbered & dark);
+    quad.triangles = select(triangles, vec4<u32>(DP_NO_TRIANGLE), own);
+    quad.over = (DP_WALK_OVER + DP_WALK_OVER_GRAZING * margins_at.grazing) * margins_at.footprint + margins_at.rounding;
+    quad.own = -(DP_WALK_OWN + DP_WALK_OWN_GRAZING * margins_at.grazing) * margins_at.footprint
         - dp_offset(light, receiver, margins_at.grazing);
-    first.quad.nearest = dp_lights[light].near * receiver.distance / receiver.w;
-    first.quad.made = dp_lights[light].made;
-    first.quad.votes = dp_count(dot(around.weights, votes.lit), dot(around.weights, votes.dark));
-    return first;
+    quad.nearest = dp_lights[light].near * receiver.distance / receiver.w;
+    quad.made = dp_lights[light].made;
+    quad.votes = dp_count(dot(weights, votes.lit), dot(weights, votes.dark));
+    return quad;
 }
 
 fn dp_walk_least(triangles: vec4<u32>) -> u32 {
@@ -380,24 +371,21 @@ fn dp_walk_decide(light: vec3<f32>, position: vec3<f32>, quad: DpWalkQuad, off: 
     return select(quad.votes, 1.0, own && !lost);
 }
 
-// What `dp_shadow` answers where the maps have to be asked. Pixels whose texels agree read nothing but four depths.
-fn dp_sample_sharp(
+// What a receiver's triangles answer over a pixel, of whose points none is asked for farther away than `most`.
+fn dp_walk_pixel(
     light: u32,
     position: vec3<f32>,
     normal: vec3<f32>,
     pixel: mat2x3<f32>,
-    receiver: DpReceiver,
+    first: DpWalkFirst,
+    most: f32,
 ) -> f32 {
-    let first = dp_walk_first(light, position, receiver);
-    if !first.mixed {
-        return first.value;
-    }
     let centre = dp_lights[light].position;
     if all(pixel[0] == vec3<f32>(0.0)) && all(pixel[1] == vec3<f32>(0.0)) {
         return dp_walk_decide(centre, position, first.quad, 0.0);
     }
-    let across = dp_walk_within(light, receiver, normal, pixel[0]);
-    let down = dp_walk_within(light, receiver, normal, pixel[1]);
+    let across = dp_walk_within(normal, pixel[0], most);
+    let down = dp_walk_within(normal, pixel[1], most);
     var points = DP_PIXEL_POINTS;
     var sum = 0.0;
     for (var k = 0u; k < 4u; k++) {
@@ -412,9 +400,8 @@ fn dp_sample_sharp(
     return 0.25 * sum;
 }
 
-// A step on the receiver's plane, and no farther than a texel: around the pixel's middle its four texels know what is there.
-fn dp_walk_within(light: u32, receiver: DpReceiver, normal: vec3<f32>, step: vec3<f32>) -> vec3<f32> {
+// A step on the receiver's plane of `most` at most.
+fn dp_walk_within(normal: vec3<f32>, step: vec3<f32>, most: f32) -> vec3<f32> {
     let along = step - normal * (dot(normal, step) / max(dot(normal, normal), 1e-30));
-    let most = 2.0 * receiver.distance / dp_lights[light].texels;
     return along * min(1.0, most * inverseSqrt(max(dot(along, along), 1e-30)));
 }

@@ -1,5 +1,5 @@
-// Lookup: is a point lit? To be pasted into a renderer's shader, together with paraboloid.wgsl, filter.wgsl, and exact.wgsl
-// or votes.wgsl.
+// Lookup: is a point lit? To be pasted into a renderer's shader, together with paraboloid.wgsl, filter.wgsl, and mask.wgsl,
+// exact.wgsl and sharp.wgsl, or votes.wgsl.
 
 // How a light is filtered (filter.wgsl); twin of `FilterRecord` in src/filter.rs.
 struct DpFilter {

@@ -26,6 +26,7 @@ const BIN: &str = include_str!("../shaders/bin.wgsl");
 const RASTERISE: &str = include_str!("../shaders/rasterise.wgsl");
 const LOOKUP: &str = include_str!("../shaders/lookup.wgsl");
 const EXACT: &str = include_str!("../shaders/exact.wgsl");
+const SHARP: &str = include_str!("../shaders/sharp.wgsl");
 const VOTES: &str = include_str!("../shaders/votes.wgsl");
 const FILTER: &str = include_str!("../shaders/filter.wgsl");
 
@@ -54,8 +55,12 @@ const FILTER: &str = include_str!("../shaders/filter.wgsl");
 /// All may be called anywhere: in loops over lights, in branches, in compute shaders.
 #[must_use]
 pub fn lookup(group: u32, casters: u32) -> String {
-    let exact = EXACT.replace("DP_CASTERS_GROUP", &casters.to_string()).replace("DP_GROUP", &group.to_string());
-    [PARABOLOID, &lights(group), MASK, &exact, FILTER].concat()
+    [&lookup_without_maps(group, casters), &SHARP.replace("DP_GROUP", &group.to_string()), FILTER].concat()
+}
+
+/// What [`lookup`] has that doesn't depend on the projection of the maps: for maps of other shapes, bound alike.
+pub(crate) fn lookup_without_maps(group: u32, casters: u32) -> String {
+    [PARABOLOID, &lights(group), MASK, &EXACT.replace("DP_CASTERS_GROUP", &casters.to_string())].concat()
 }
 
 /// [`lookup`] without the casters' triangles, for renderers that have a single storage buffer to spare: the same functions,
