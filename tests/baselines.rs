@@ -629,7 +629,7 @@ fn screen_passes_answer_as_the_lookups_do() {
     let light = PointLight { position: Vec3::new(0.0, 4.0, 0.0), range: 40.0, ..Default::default() };
     let shot = Shot::take(&scene, &scene.suggest_camera(light.position), 96, 54);
     let bench = LookupBench::new(gpu(), &scene, &light, &shot, 128).unwrap();
-    let own = bench.answers(Question::Lookup(Lookup::Paraboloid), PassStage::Fragment);
+    let own = bench.answers(Question::Lookup(Lookup::Votes), PassStage::Fragment);
     assert!(own.contains(&0.0) && own.contains(&1.0));
     // The same four texels, loaded one by one: weights and references differ by rounding.
     let loaded = bench.answers(Question::Texels(2), PassStage::Fragment);
@@ -640,7 +640,8 @@ fn screen_passes_answer_as_the_lookups_do() {
         own.iter().zip(&other).filter(|(a, b)| (**a >= 0.5) != (**b >= 0.5)).count()
     };
     // Filters of other widths agree but near boundaries, and so does the cube.
-    for question in [Question::Texels(1), Question::Texels(3), Question::Lookup(Lookup::CubePlane)] {
+    let own_kinds = [Question::Texels(1), Question::Texels(3), Question::Point, Question::Lookup(Lookup::Paraboloid)];
+    for question in own_kinds.into_iter().chain([Question::Lookup(Lookup::CubePlane)]) {
         assert!(differing(question) < own.len() / 10, "{}", question.name());
     }
     for kernel in [Kernel::Square3, Kernel::Square5, Kernel::Disc, Kernel::Soft] {
