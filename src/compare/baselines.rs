@@ -282,8 +282,18 @@ impl Baseline {
     /// What the evaluator of one of this method's lookups finds in this map; `None` without any lookup.
     #[must_use]
     pub fn answers(&self, gpu: &Gpu, evaluator: &Evaluator) -> Option<Vec<f32>> {
+        self.with_answers(gpu, evaluator, <[f32]>::to_vec)
+    }
+
+    /// Does something with [`Self::answers`], without a copy of them.
+    pub fn with_answers<R>(
+        &self,
+        gpu: &Gpu,
+        evaluator: &Evaluator,
+        use_answers: impl FnOnce(&[f32]) -> R,
+    ) -> Option<R> {
         let (group, _) = self.bind_group()?;
-        Some(evaluator.values(gpu, &[group]))
+        Some(evaluator.with_values(gpu, &[group], use_answers))
     }
 }
 
