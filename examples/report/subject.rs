@@ -103,10 +103,8 @@ impl Subject {
         for method in Method::ALL.into_iter().filter(|method| method.same_map() == *method && method.is_available(gpu))
         {
             let mut baseline = Baseline::new(&gpu.device, method, method.side(resolution, Budget::EqualTexels))?;
-            for &lookup in method.lookups() {
-                let errors = turned_errors(&mut judge, &mut baseline, lookup, casters, &self.orientations)?;
-                compared.extend(errors.map(|errors| (Contestant { method, lookup }, errors.mean())));
-            }
+            let errors = turned_errors(&mut judge, &mut baseline, casters, &self.orientations)?;
+            compared.extend(errors.into_iter().map(|(lookup, errors)| (Contestant { method, lookup }, errors.mean())));
         }
         Ok(compared)
     }

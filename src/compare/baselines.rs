@@ -249,9 +249,10 @@ impl Baseline {
         }
     }
 
-    /// What the text of [`Lookup::text`] reads: its bind groups with their layouts; none for [`Method::DepthView`].
+    /// What the [text](Lookup::text) of one of this method's lookups reads: its bind groups with their layouts; none for
+    /// [`Method::DepthView`].
     #[must_use]
-    pub fn bind_groups(&self) -> Vec<Bound<'_>> {
+    pub fn bind_groups(&self, lookup: Lookup) -> Vec<Bound<'_>> {
         let map = |(group, layout)| vec![(Some(group), layout)];
         match &self.kind {
             Kind::Pair(pair) => pair.bind_groups().to_vec(),
@@ -259,6 +260,7 @@ impl Baseline {
             Kind::Cube(cube) => map(cube.lookup().bind_group()),
             Kind::CubeRouted(cube) => map(cube.lookup().bind_group()),
             Kind::CubeMultiview(cube) => map(cube.lookup().bind_group()),
+            Kind::CubeCompute(cube) if lookup == Lookup::CubeWalk => cube.walk_groups().to_vec(),
             Kind::CubeCompute(cube) => map(cube.lookup().bind_group()),
             Kind::DepthView(_) => Vec::new(),
         }
@@ -268,23 +270,34 @@ impl Baseline {
     /// read this method's map.
     #[must_use]
     pub fn shadow_values(&self, gpu: &Gpu, lookup: Lookup, receivers: &[(Vec3, Vec3)]) -> Option<Vec<f32>> {
-        self.answers(gpu, &self.evaluator(gpu, lookup, receivers)?)
+        self.answers(gpu, lookup, &self.evaluator(gpu, lookup, receivers)?)
     }
 
     /// Asks a lookup for each receiver, in this map and in all others that the lookup reads. `None` for a lookup that
     /// doesn't read this method's map.
     #[must_use]
     pub fn evaluator(&self, gpu: &Gpu, lookup: Lookup, receivers: &[(Vec3, Vec3)]) -> Option<Evaluator> {
-        let layouts: Vec<_> = self.bind_groups().into_iter().map(|(_, layout)| layout).collect();
+        let layouts: Vec<_> = self.bind_groups(lookup).into_iter().map(|(_, layout)| layout).collect();
         let text = [lookup.text(0), evaluation(lookup.expression())].concat();
         self.method.is_read_by(lookup).then(|| gpu.evaluator(&text, &layouts, receivers))
     }
 
-    /// What the evaluator of one of this method's lookups finds in this map; `None` without any lookup.
+    /// What the evaluator of one of this method's lookups finds in this map; `None` of a map that has none.
     #[must_use]
-    pub fn answers(&self, gpu: &Gpu, evaluator: &Evaluator) -> Option<Vec<f32>> {
-        let groups: Vec<_> = self.bind_groups().into_iter().map(|(group, _)| group).collect();
-        (!groups.is_empty()).then(|| evaluator.values(gpu, &groups))
+    pub fn answers(&self, gpu: &Gpu, lookup: Lookup, evaluator: &Evaluator) -> Option<Vec<f32>> {
+        self.with_answers(gpu, lookup, evaluator, <[f32]>::to_vec)
+    }
+
+    /// Does something with [`Self::answers`], without a copy of them.
+    pub fn with_answers<R>(
+        &self,
+        gpu: &Gpu,
+        lookup: Lookup,
+        evaluator: &Evaluator,
+        use_answers: impl FnOnce(&[f32]) -> R,
+    ) -> Option<R> {
+        let groups: Vec<_> = self.bind_groups(lookup).into_iter().map(|(group, _)| group).collect();
+        (!groups.is_empty()).then(|| evaluator.with_values(gpu, &groups, use_answers))
     }
 }
 

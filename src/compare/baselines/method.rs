@@ -151,7 +151,7 @@ impl Method {
             Self::Paraboloid => &[Lookup::Paraboloid, Lookup::Votes],
             Self::VertexWarp => &[Lookup::VertexWarp, Lookup::VertexWarpShipped],
             Self::Cube16 => &[Lookup::CubeHardware, Lookup::CubeShipped],
-            Self::CubeCompute => &[Lookup::CubePlane],
+            Self::CubeCompute => &[Lookup::CubeWalk, Lookup::CubePlane],
             Self::DepthView => &[],
             _ => &[Lookup::CubeHardware, Lookup::CubePlane, Lookup::CubeShipped],
         }
