@@ -32,8 +32,8 @@ fn many_lights_take_what_a_batch_needs() {
     let share = 8 * (256 * 8 + 8 + 512 * 4) + 64 * 64 + 64 * 4 + 64 * 4;
     // 32 bytes of counters of a light, eight lights at least, and 36 words for the chunk.
     let state = 8 * 32 + 36 * 4;
-    // Of each light 96 bytes of its own and two hemispheres' views for the caller's casters, and as many as a batch more.
-    let others = |lights: u64| lights * (96 + 2 * 256) + (lights + 8) * 256;
+    // Of each light 112 bytes of its own and two hemispheres' views for the caller's casters, and as many as a batch more.
+    let others = |lights: u64| lights * (112 + 2 * 256) + (lights + 8) * 256;
     assert_eq!(beside_maps(1), share + state + others(1));
     // A quarter more counters and words than are needed.
     let state = |lights: u64| (lights + lights / 4) * 32 + 8 * (36 + 9) * 4;
