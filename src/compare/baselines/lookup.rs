@@ -1,12 +1,12 @@
 //! The lookups of all methods as text for a shader, and their biases.
 
 use super::{cube_compute, cube_lookup, vertex_warp};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f32::consts::SQRT_2;
 use std::fmt;
 
 /// A shadow lookup in WGSL.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Lookup {
     /// `dp_shadow`: four texels, and where they disagree, the triangles that they show.
@@ -109,7 +109,7 @@ impl Lookup {
 }
 
 /// How much nearer to the light a receiver counts than it is. Too little shows as acne, too much as peter-panning.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize, Serialize)]
 pub struct Bias {
     /// Toward the light, in world units, the same at every distance. [`Lookup::VertexWarp`] and
     /// [`Lookup::CubeHardware`] alone.

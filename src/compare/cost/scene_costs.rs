@@ -1,12 +1,14 @@
 //! All figures of one scene, and this library held against another method in it.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::{BreakEven, Bytes, Cost, Curve, ErrorPair, Point, Ratio, Reading, Rule, Timed, shown_error};
+use super::{
+    BreakEven, Bytes, Cost, Curve, ErrorPair, OwnErrors, Point, Ratio, Reading, Rule, Timed, shown_error,
+};
 use crate::compare::baselines::{Budget, Lookup, Method};
 
 /// Where a scene comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Origin {
     /// A file: a real scene.
@@ -25,7 +27,7 @@ impl Origin {
 }
 
 /// A method with one of its lookups.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 pub struct Contestant {
     /// What makes the map.
     pub method: Method,
@@ -49,7 +51,7 @@ impl Contestant {
 }
 
 /// All figures of one scene under one rule.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 pub struct SceneCosts {
     /// The scene's name.
     pub scene: String,
@@ -61,6 +63,9 @@ pub struct SceneCosts {
     pub rule: Rule,
     /// Of all methods and resolutions.
     pub costs: Vec<Cost>,
+    /// This library's errors by all definitions, at the resolutions where they were looked into; none under
+    /// [`Rule::Culled`].
+    pub own: Vec<OwnErrors>,
     /// What the device can't do, each with the reason.
     pub left_out: Vec<String>,
 }
@@ -235,6 +240,7 @@ mod tests {
             triangles: 1,
             rule: Rule::DoubleSided,
             costs,
+            own: Vec::new(),
             left_out: Vec::new(),
         }
     }

@@ -6,7 +6,7 @@ use glam::{DVec2, Vec3};
 use rand::Rng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Truth, reference};
 use crate::compare::error_figures::{Receiver, is_lit, per_million};
@@ -18,7 +18,7 @@ use crate::compare::shot::{Rays, Shot};
 const POINTS: usize = 4;
 
 /// Figures about the answers at a camera's pixels. An answer of 0.5 or more means lit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct PixelError {
     /// Number of pixels that count: what they show faces the light and is within its reach.
     pub pixels: usize,
