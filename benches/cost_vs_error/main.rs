@@ -21,6 +21,7 @@ use dual_paraboloid::compare::scene::{Camera, Scene};
 use dual_paraboloid::compare::shot::Shot;
 use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::compare::timing::Timer;
+use dual_paraboloid::compare::walk::IdealWalks;
 use figures::{Figures, Measured, main_resolution};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
@@ -217,7 +218,8 @@ impl<'a> Bench<'a> {
         };
         let scene = with_holes.as_ref().unwrap_or(&setting.scene);
         let pixels = Pixels::new(truth, scene, &setting.camera, width, height);
-        let find = |&resolution: &u32| Ok(OwnErrors::find(gpu, truth, &pixels, casters, light, resolution)?);
+        let walks = IdealWalks::new(scene);
+        let find = |&resolution: &u32| Ok(OwnErrors::find(gpu, truth, &walks, &pixels, casters, light, resolution)?);
         self.arguments.own.iter().map(find).collect()
     }
 }
@@ -248,8 +250,7 @@ impl Clock {
 fn setting<'a>(name: &str) -> anyhow::Result<Setting<'a>> {
     let scene = find_scene(name)?;
     // The other methods know no holes.
-    let (scene, with_holes) =
-        if scene.has_holes() { (scene.without_holes(), Some(scene)) } else { (scene, None) };
+    let (scene, with_holes) = if scene.has_holes() { (scene.without_holes(), Some(scene)) } else { (scene, None) };
     let (light, choice) = choose_light(&scene, None, None);
     let camera = choose_camera(&scene, &light, choice);
     let origin = if is_made_in_code(name) { Origin::Code } else { Origin::File };
@@ -269,7 +270,12 @@ fn write(folder: &Path, figures: &Figures) -> anyhow::Result<Vec<String>> {
     let pictures = pictures::write_all(folder, figures)?;
     let links: String = pictures.iter().map(|name| format!("\n![{name}]({name})\n")).collect();
     let cost = format!("{}{links}{}", report::summary(figures), report::details(figures));
-    let texts = [("cost.md", cost), ("errors.md", report::errors(figures)), ("readme.md", report::readme(figures))];
+    let texts = [
+        ("cost.md", cost),
+        ("errors.md", report::errors(figures)),
+        ("exact.md", report::exact(figures)),
+        ("readme.md", report::readme(figures)),
+    ];
     for (name, text) in &texts {
         let path = folder.join(name);
         std::fs::write(&path, text).with_context(|| format!("can't write {}", path.display()))?;

@@ -4,6 +4,7 @@
 //! everything from scratch each time. Those that draw as engines do take meshes in their own space and a transform for each instance.
 
 mod cube;
+mod cube_array;
 mod cube_compute;
 mod cube_lookup;
 mod cube_map;
@@ -18,7 +19,9 @@ mod scene_buffers;
 mod vertex_warp;
 
 pub use cube::{Cube, CubeMultiview, Culling};
+pub(super) use cube_array::{CubeArray, text as cube_array_text};
 pub use cube_compute::CubeCompute;
+pub(super) use cube_compute::shape as cube_shape;
 pub use cube_map::CubeDepth;
 pub use cube_routed::CubeRouted;
 pub use depth_view::DepthView;
@@ -28,7 +31,7 @@ pub use scene_buffers::SceneBuffers;
 pub use vertex_warp::VertexWarp;
 
 use super::fill;
-use super::gpu::{Evaluator, Gpu, evaluation};
+use super::gpu::{Evaluator, Gpu, evaluation, evaluation_over};
 use super::scene::Scene;
 use crate::{Casters, Error, PointLight, PointShadows, Sides, Stage};
 use glam::Vec3;
@@ -273,12 +276,41 @@ impl Baseline {
         self.answers(gpu, lookup, &self.evaluator(gpu, lookup, receivers)?)
     }
 
+    /// [`Self::shadow_values`] at receivers in the pixels of a camera at `eye`, each over its pixel, of `angle` radians, where
+    /// the lookup takes that.
+    #[must_use]
+    pub fn pixel_values(
+        &self,
+        gpu: &Gpu,
+        lookup: Lookup,
+        receivers: &[(Vec3, Vec3)],
+        eye: Vec3,
+        angle: f32,
+    ) -> Option<Vec<f32>> {
+        if !lookup.takes_pixel() {
+            return self.shadow_values(gpu, lookup, receivers);
+        }
+        let pixel = format!("dp_pixel(vec3<f32>({:?}, {:?}, {:?}), position, normal, {angle:?})", eye.x, eye.y, eye.z);
+        let text = evaluation_over(&pixel, lookup.expression());
+        self.answers(gpu, lookup, &self.evaluator_of(gpu, lookup, &text, receivers)?)
+    }
+
     /// Asks a lookup for each receiver, in this map and in all others that the lookup reads. `None` for a lookup that
     /// doesn't read this method's map.
     #[must_use]
     pub fn evaluator(&self, gpu: &Gpu, lookup: Lookup, receivers: &[(Vec3, Vec3)]) -> Option<Evaluator> {
+        self.evaluator_of(gpu, lookup, &evaluation(lookup.expression()), receivers)
+    }
+
+    fn evaluator_of(
+        &self,
+        gpu: &Gpu,
+        lookup: Lookup,
+        evaluation: &str,
+        receivers: &[(Vec3, Vec3)],
+    ) -> Option<Evaluator> {
         let layouts: Vec<_> = self.bind_groups(lookup).into_iter().map(|(_, layout)| layout).collect();
-        let text = [lookup.text(0), evaluation(lookup.expression())].concat();
+        let text = [&lookup.text(0), evaluation].concat();
         self.method.is_read_by(lookup).then(|| gpu.evaluator(&text, &layouts, receivers))
     }
 

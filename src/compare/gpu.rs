@@ -334,6 +334,12 @@ const EVALUATION_GROUP: usize = 3;
 /// each receiver.
 #[must_use]
 pub fn evaluation(expression: &str) -> String {
+    evaluation_over("mat2x3<f32>()", expression)
+}
+
+/// [`evaluation`] with another WGSL expression, over `position` and `normal`, for the `pixel`.
+#[must_use]
+pub fn evaluation_over(pixel: &str, expression: &str) -> String {
     format!(
         "
 @group({EVALUATION_GROUP}) @binding(0) var<storage, read> receivers: array<f32>;
@@ -345,7 +351,7 @@ fn evaluate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         let at = 6u * i;
         let position = vec3<f32>(receivers[at], receivers[at + 1u], receivers[at + 2u]);
         let normal = vec3<f32>(receivers[at + 3u], receivers[at + 4u], receivers[at + 5u]);
-        let pixel = mat2x3<f32>();
+        let pixel = {pixel};
         values[i] = {expression};
     }}
 }}

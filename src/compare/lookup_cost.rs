@@ -1,8 +1,10 @@
 //! What a lookup costs on its own: passes over the whole screen that read recorded positions and normals, as deferred
 //! renderers have them, and ask for the shadow at each pixel.
 
+mod lights;
 mod pass;
 
+pub use lights::{LightsBench, LightsQuestion, LightsTime};
 pub use pass::PassStage;
 
 use std::collections::HashMap;

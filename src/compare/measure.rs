@@ -6,7 +6,7 @@ mod pixels;
 mod subject;
 
 pub use judge::{Answers, Judge, Judged};
-pub use pixels::{PixelError, Pixels};
+pub use pixels::{PixelError, PixelErrors, Pixels};
 pub use subject::{LightChoice, PROCEDURAL, SCENES_IN_CODE};
 pub use subject::{choose_camera, choose_light, find_scene, is_made_in_code, select_scenes};
 

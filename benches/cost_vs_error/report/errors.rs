@@ -19,12 +19,12 @@ resolution; `shipped` are engines' defaults. Cubes have as many texels as the pa
 which the others know nothing.";
 
 const OWN_LEGEND: &str = "\
-*Ideal* is the frozen lookup `votes-v1` on a ray-cast map; *disagree*: where lookup and ideal decide differently; \
+*Ideal* is the frozen lookup `votes-v1` on a ray-cast map, *rule* this library's exact lookup there, in double precision; *disagree*: where lookup and ideal decide differently; \
 *energy*: wrong answers weighed by the cosine too, with no cut-off at grazing; *far*: wrong and farther than 1.5 texels, of a pair of \
 1024, from any shadow boundary; *backs*: receivers on the backs of double-sided surfaces, and *wrong, fronts* without them; \
 *creases*: answers to lit receivers in concave creases, where 1 is right; *pixels*: wrong at the pixels \
-of the scene's camera; *value*: mean absolute difference there from the lit share of the pixel, and from the truth at its \
-middle. Texels of the map: *holes* are empty where there is a caster, *phantoms* the reverse, *strays* wrong and more than a \
+of the scene's camera, asked over each pixel, and *points*, asked at their middles alone; *value*: mean absolute difference \
+there from the lit share of the pixel, and from the truth at its middle. Texels of the map: *holes* are empty where there is a caster, *phantoms* the reverse, *strays* wrong and more than a \
 texel from any silhouette; *depth p99* is the relative depth error that 99 % of the right ones stay below.";
 
 /// All tables of errors, the comparison of real scenes first.
@@ -97,8 +97,20 @@ fn compared(scenes: &[&SceneCosts], resolutions: &[u32]) -> Table {
 /// This library's figures, a line for each scene, resolution and lookup.
 fn own(scenes: &[&SceneCosts]) -> Table {
     let mut head = vec!["scene", "triangles", "R", "lookup"];
-    head.extend(["wrong", "ideal", "ratio", "disagree", "energy", "far", "ideal far", "backs (%)", "wrong, fronts"]);
+    head.extend([
+        "wrong",
+        "ideal",
+        "ratio",
+        "rule",
+        "disagree",
+        "energy",
+        "far",
+        "ideal far",
+        "backs (%)",
+        "wrong, fronts",
+    ]);
     head.extend(["creases: mean", "least 0.1 %", "below 0.9 (ppm)", "pixels", "value", "value, point"]);
+    head.extend(["points", "value", "value, point"]);
     head.extend(["holes", "phantoms", "strays", "depth p99"]);
     let mut table = Table::new(&head);
     for costs in scenes {
@@ -115,14 +127,17 @@ fn own_cells(errors: &OwnErrors, of: &OwnLookup) -> Vec<String> {
     let (shadow, ideal, map) = (&of.shadow, &errors.ideal, &errors.map);
     let mut cells = vec![of.lookup.name().to_owned(), ppm(shadow.wrong_ppm), ppm(ideal.wrong_ppm)];
     cells.push(format!("{:.3}", error_ratio(shadow.wrong_ppm, ideal.wrong_ppm)));
+    cells.push(ppm(errors.rule.wrong_ppm));
     cells.extend([of.disagree_ppm, shadow.wrong_energy_ppm, shadow.far_wrong_ppm, ideal.far_wrong_ppm].map(ppm));
     cells.extend([format!("{:.1}", 100.0 * shadow.back_fraction), ppm(shadow.wrong_front_ppm)]);
     cells.extend(of.creases.map_or([(); 3].map(|()| or_dash(None)), |creases| {
         [format!("{:.3}", creases.mean), format!("{:.3}", creases.q001), ppm(creases.below_ppm)]
     }));
-    cells.extend(of.pixels.map_or([(); 3].map(|()| or_dash(None)), |pixels| {
-        [ppm(pixels.wrong_ppm), format!("{:.5}", pixels.value_error), format!("{:.5}", pixels.value_error_point)]
-    }));
+    for at in [of.pixels.map(|errors| errors.pixels), of.pixels.map(|errors| errors.points)] {
+        cells.extend(at.map_or([(); 3].map(|()| or_dash(None)), |error| {
+            [ppm(error.wrong_ppm), format!("{:.5}", error.value_error), format!("{:.5}", error.value_error_point)]
+        }));
+    }
     cells.extend([map.holes, map.phantoms, map.strays].map(|count| count.to_string()));
     cells.push(format!("{:.1e}", map.depth_error_p99));
     cells

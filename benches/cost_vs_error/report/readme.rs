@@ -27,15 +27,17 @@ pub fn readme(figures: &Figures) -> String {
         (format!("How fast, {of}"), times(figures, headline)),
     ];
     let of_all = format!("{adapter}, {} orientations", figures.conditions.orientations);
-    tables.iter().fold(format!("# README\n\n{of_all}\n"), |text, (title, table)| {
-        text + &format!("\n## {title}\n\n{table}")
-    })
+    tables
+        .iter()
+        .fold(format!("# README\n\n{of_all}\n"), |text, (title, table)| text + &format!("\n## {title}\n\n{table}"))
 }
 
 /// A method and its lookup, to a reader who doesn't know the comparison's names.
 fn name(of: Contestant) -> String {
     match (of.method, of.lookup) {
         (Method::Paraboloid, Lookup::Paraboloid) => "this library".to_owned(),
+        (Method::Paraboloid, Lookup::Votes) => "this library's votes alone".to_owned(),
+        (Method::CubeCompute, Lookup::CubeWalk) => "the same rasteriser on six faces, the same walk".to_owned(),
         (Method::CubeCompute, Lookup::CubePlane) => "the same rasteriser on six faces, plane votes".to_owned(),
         (Method::Cube, Lookup::CubePlane) => "cube, plane votes".to_owned(),
         (Method::Cube, Lookup::CubeHardware) => "cube, hardware comparison".to_owned(),
@@ -52,11 +54,7 @@ fn own_maps(scenes: &[&SceneCosts]) -> Vec<Contestant> {
     rivals(scenes).into_iter().filter(|of| of.method.same_map() == of.method).collect()
 }
 
-fn wrong(
-    scenes: &[&SceneCosts],
-    main: u32,
-    pair: fn(&SceneCosts, Contestant, u32) -> Option<ErrorPair>,
-) -> Table {
+fn wrong(scenes: &[&SceneCosts], main: u32, pair: fn(&SceneCosts, Contestant, u32) -> Option<ErrorPair>) -> Table {
     let mut table = Table::new(&["wrong answers, this library over", "median", "worst", "mean", "pooled", "wins"]);
     for rival in own_maps(scenes) {
         let pairs = scenes.iter().filter_map(|costs| pair(costs, rival, main));
@@ -78,12 +76,12 @@ fn wrong(
 fn by_scene(scenes: &[&SceneCosts], main: u32) -> Table {
     let own = Method::Paraboloid.lookups().iter().map(|&lookup| Contestant { method: Method::Paraboloid, lookup });
     let others = [
-        (Method::CubeCompute, Lookup::CubePlane),
+        (Method::CubeCompute, Lookup::CubeWalk),
+        (Method::Cube, Lookup::CubePlane),
         (Method::Cube, Lookup::CubeHardware),
         (Method::VertexWarp, Lookup::VertexWarp),
     ];
-    let shown: Vec<Contestant> =
-        own.chain(others.map(|(method, lookup)| Contestant { method, lookup })).collect();
+    let shown: Vec<Contestant> = own.chain(others.map(|(method, lookup)| Contestant { method, lookup })).collect();
     let names: Vec<String> = shown.iter().map(|of| name(*of)).collect();
     let mut head = vec!["scene", "triangles"];
     head.extend(names.iter().map(String::as_str));
@@ -100,7 +98,7 @@ fn by_scene(scenes: &[&SceneCosts], main: u32) -> Table {
         let own = |of: fn(&OwnLookup) -> Option<String>| or_dash(errors.and_then(|errors| of(errors.own()?)));
         cells.push(own(|of| Some(ppm(of.shadow.wrong_ppm))));
         cells.push(or_dash(errors.map(|errors| ppm(errors.ideal.wrong_ppm))));
-        cells.push(own(|of| Some(ppm(of.pixels?.wrong_ppm))));
+        cells.push(own(|of| Some(ppm(of.pixels?.pixels.wrong_ppm))));
         cells.push(own(|of| Some(format!("{:.0} %", 1e-4 * of.creases?.below_ppm))));
         table.row(cells);
     }

@@ -18,6 +18,11 @@ const PROJECTION: Projection = Projection {
     ),
 };
 
+/// A cube's faces as this library's stages make them.
+pub(in crate::compare) fn shape(resolution: u32) -> MapShape {
+    MapShape { projection: PROJECTION, resolution, half_width: half_width(resolution) }
+}
+
 /// The text of [`Lookup::CubeWalk`](super::Lookup::CubeWalk), for the groups of [`CubeCompute::walk_groups`] from `group` on and
 /// for lights with an orientation or only without.
 pub(super) fn walk_text(group: u32, turned: bool) -> String {
@@ -62,8 +67,7 @@ impl CubeCompute {
     /// # Errors
     /// As [`PointShadows::new`].
     pub fn tuned(device: &wgpu::Device, resolution: u32, tuning: &Tuning) -> Result<Self, Error> {
-        let shape = MapShape { projection: PROJECTION, resolution, half_width: half_width(resolution) };
-        let maps = OwnMaps::shaped(device, shape, tuning)?;
+        let maps = OwnMaps::shaped(device, shape(resolution), tuning)?;
         Ok(Self { lookup: CubeLookup::new(device, maps.shadows().maps()), maps })
     }
 

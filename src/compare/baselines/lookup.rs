@@ -89,6 +89,12 @@ impl Lookup {
         }
     }
 
+    /// Whether the answer is one over the pixel, and not that at its middle.
+    #[must_use]
+    pub fn takes_pixel(self) -> bool {
+        matches!(self, Self::Paraboloid | Self::Filtered | Self::CubeWalk)
+    }
+
     /// The bias that the lookup has until [`Baseline::set_bias`](super::Baseline::set_bias) gives it another; `None`
     /// for lookups whose bias is fixed. That of bevy's point lights for the hardware's comparisons, `dp_shadow`'s along the
     /// ray for planes.

@@ -7,7 +7,8 @@ use crate::compare::baselines::{Baseline, BaselineError, DeviceScene, Lookup, Me
 use crate::compare::error_figures::{CreaseError, MapError, ShadowError, map_error};
 use crate::compare::gpu::Gpu;
 use crate::compare::ideal::{MapGeometry, ideal_map};
-use crate::compare::measure::{PixelError, Pixels, Truth};
+use crate::compare::measure::{PixelErrors, Pixels, Truth};
+use crate::compare::walk::{IdealWalks, STEPS};
 
 /// This library's figures at one resolution, in the light's own orientation and with the scene's holes.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
@@ -18,6 +19,8 @@ pub struct OwnErrors {
     pub map: MapError,
     /// Of the frozen lookup [`votes_v1`](Truth::votes_v1) on the ray-cast map.
     pub ideal: ShadowError,
+    /// Of the library's own rule in double precision on that map.
+    pub rule: ShadowError,
     /// Of each lookup that reads the map; the library's own first.
     pub lookups: Vec<OwnLookup>,
 }
@@ -34,17 +37,18 @@ pub struct OwnLookup {
     /// In lit creases; `None` where there are none.
     pub creases: Option<CreaseError>,
     /// At the camera's pixels; `None` where none counts.
-    pub pixels: Option<PixelError>,
+    pub pixels: Option<PixelErrors>,
 }
 
 impl OwnErrors {
-    /// Records the light's map of these casters and judges it and all lookups that read it.
+    /// Records the light's map of these casters and judges it and all lookups that read it. `walks` are of the same scene.
     ///
     /// # Errors
     /// [`BaselineError`], for a resolution that the device doesn't allow or a light that isn't valid.
     pub fn find(
         gpu: &Gpu,
         truth: &Truth,
+        walks: &IdealWalks,
         pixels: &Pixels,
         casters: &mut DeviceScene,
         light: &PointLight,
@@ -55,24 +59,22 @@ impl OwnErrors {
         let guard = pair.shadows().map_or(0.0, |shadows| f64::from(shadows.half_width()) - 1.0);
         let map = ideal_map(&truth.reference, &truth.view, MapGeometry { resolution, guard });
         let ideal = truth.votes_v1(&map);
-        let (receivers, middles) = (truth.inputs(), pixels.inputs());
+        let rule = truth.judge(&walks.shadows(truth, &map, STEPS));
+        let receivers = truth.inputs();
         let of_lookup = |&lookup: &Lookup| {
             let values = pair.shadow_values(gpu, lookup, &receivers)?;
-            // A buffer can't be empty.
-            let at_pixels = Some(&middles).filter(|middles| !middles.is_empty());
-            let at_pixels = at_pixels.and_then(|middles| pair.shadow_values(gpu, lookup, middles));
             Some(OwnLookup {
                 lookup,
                 shadow: truth.judge(&values),
                 disagree_ppm: truth.disagree_ppm(&values, &ideal),
                 creases: truth.crease_error(&values),
-                pixels: at_pixels.and_then(|values| pixels.judge(&values)),
+                pixels: pixels.errors(gpu, &pair, lookup),
             })
         };
         let lookups = Method::Paraboloid.lookups().iter().filter_map(of_lookup).collect();
         let stored: Vec<f32> = gpu.read_texture(pair.map(), 0);
         let map = map_error(&stored, &map, &truth.reference, &truth.view);
-        Ok(Self { resolution, map, ideal: truth.judge(&ideal), lookups })
+        Ok(Self { resolution, map, ideal: truth.judge(&ideal), rule, lookups })
     }
 
     /// The figures of the library's own lookup.
