@@ -21,9 +21,11 @@ const DP_WALK_FLAT: f32 = 0.02;
 // factor.
 const DP_WALK_OWN: f32 = 0.02;
 const DP_WALK_OWN_GRAZING: f32 = 0.05;
-// Points of a pixel that are asked, in its steps: the first two, opposite to each other, and the others where those differ.
-const DP_PIXEL_POINTS: array<vec2<f32>, 4> = array<vec2<f32>, 4>(
-    vec2<f32>(-0.125, -0.375), vec2<f32>(0.125, 0.375), vec2<f32>(0.375, -0.125), vec2<f32>(-0.375, 0.125),
+// Points of a pixel that are asked, in its steps, on a hexagon: every other one, which no edge through the pixel's middle
+// goes past, and the rest where those differ.
+const DP_PIXEL_POINTS: array<vec2<f32>, 6> = array<vec2<f32>, 6>(
+    vec2<f32>(0.406, 0.109), vec2<f32>(-0.297, 0.297), vec2<f32>(-0.109, -0.406),
+    vec2<f32>(-0.406, -0.109), vec2<f32>(0.297, -0.297), vec2<f32>(0.109, 0.406),
 );
 
 const DP_NO_TRIANGLE: u32 = 0xffffffffu;
@@ -48,6 +50,19 @@ struct DpChunk {
 // Positions in world space, and a word more.
 @group(DP_CASTERS_GROUP) @binding(2) var<storage, read> dp_vertices: array<vec4<f32>>;
 
+// All that is read of them. A test counts the indices that are out of range here.
+fn dp_chunk(chunk: u32) -> vec4<u32> {
+    return dp_chunks[chunk].place;
+}
+
+fn dp_mesh_record(place: u32) -> vec4<u32> {
+    return dp_meshes[place];
+}
+
+fn dp_vertex(vertex: u32) -> vec4<f32> {
+    return dp_vertices[vertex];
+}
+
 // The ray from the light to a receiver as the third of three axes (Duff et al., "Building an Orthonormal Basis, Revisited",
 // JCGT 2017). Seen along it a walk is one in the plane, with the receiver at the origin; what rounding loses is 1e-7 rad,
 // however small a triangle is.
@@ -65,7 +80,7 @@ fn dp_walk_frame(light: vec3<f32>, ray: vec3<f32>) -> DpWalkFrame {
 
 // A vertex by these axes.
 fn dp_walk_see(frame: DpWalkFrame, vertex: u32) -> vec3<f32> {
-    let p = dp_vertices[vertex].xyz - frame.light;
+    let p = dp_vertex(vertex).xyz - frame.light;
     let h = dot(p.xy, frame.ray.xy);
     let k = frame.a * h - p.z;
     return vec3<f32>(p.x + frame.s * frame.ray.x * k, frame.s * p.y + frame.ray.y * k, h + frame.ray.z * p.z);
@@ -96,7 +111,7 @@ struct DpWalked {
 }
 
 fn dp_walk_triangle(place: vec4<u32>, triangle: u32) -> DpWalked {
-    return DpWalked(dp_meshes[place.y + (triangle & 0xffu)], place.x, place.w);
+    return DpWalked(dp_mesh_record(place.y + (triangle & 0xffu)), place.x, place.w);
 }
 
 // Number of a triangle's vertex at corner `k`, from 0 to 2.
@@ -123,9 +138,9 @@ fn dp_walk_end(kind: u32, volume: f32, vertices: vec3<u32>, sides: vec3<f32>) ->
         return DP_WALK_OFF;
     }
     if (kind & DP_MASKED) != 0u {
-        let a = dp_mask_vertex(bitcast<u32>(dp_vertices[vertices.x].w));
-        let b = dp_mask_vertex(bitcast<u32>(dp_vertices[vertices.y].w));
-        let c = dp_mask_vertex(bitcast<u32>(dp_vertices[vertices.z].w));
+        let a = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.x).w));
+        let b = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.y).w));
+        let c = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.z).w));
         if dp_is_hole(a, b, c, sides * (1.0 / sum)) {
             return DP_WALK_OFF;
         }
@@ -140,7 +155,7 @@ fn dp_walk_from(number: u32, made: u32, frame: DpWalkFrame) -> f32 {
     if chunk >= arrayLength(&dp_chunks) {
         return DP_WALK_LOST;
     }
-    var place = dp_chunks[chunk].place;
+    var place = dp_chunk(chunk);
     if place.z == 0u || place.z > made {
         return DP_WALK_LOST;
     }
@@ -201,7 +216,7 @@ fn dp_walk_from(number: u32, made: u32, frame: DpWalkFrame) -> f32 {
         let chunks = bitcast<i32>(beyond) >> 11u;
         if chunks != 0 {
             chunk = u32(i32(chunk) + chunks);
-            place = dp_chunks[chunk].place;
+            place = dp_chunk(chunk);
         }
         triangle = dp_walk_triangle(place, beyond >> 3u);
         let entered = beyond & 3u;
@@ -388,16 +403,16 @@ fn dp_walk_pixel(
     let down = dp_walk_within(normal, pixel[1], most);
     var points = DP_PIXEL_POINTS;
     var sum = 0.0;
-    for (var k = 0u; k < 4u; k++) {
-        // The first two agree: so will the others.
-        if k == 2u && (sum == 0.0 || sum == 2.0) {
-            return 0.5 * sum;
+    for (var k = 0u; k < 6u; k++) {
+        // The first three agree: so will the others.
+        if k == 3u && (sum == 0.0 || sum == 3.0) {
+            return min(sum, 1.0);
         }
         let aside = across * points[k].x + down * points[k].y;
         // Beyond a crease the receiver's plane runs under the next surface.
         sum += dp_walk_decide(centre, position + aside, first.quad, first.grazing * length(aside));
     }
-    return 0.25 * sum;
+    return min(sum * (1.0 / 6.0), 1.0);
 }
 
 // A step on the receiver's plane of `most` at most.

@@ -1,5 +1,5 @@
 // Masks: where masked casters have holes. Alpha is sampled bilinearly at the texture's finest level, as its own sampler
-// does it close by. All of it lies in the mesh records; whoever uses this declares them as `dp_meshes`.
+// does it close by. All of it lies in the mesh records, which `dp_mesh_record` reads.
 
 // What a vertex of a masked mesh has beside its position, a record.
 struct DpMaskVertex {
@@ -26,12 +26,12 @@ const DP_REPEAT: u32 = 1u;
 const DP_MIRROR_REPEAT: u32 = 2u;
 
 fn dp_mask_vertex(place: u32) -> DpMaskVertex {
-    let record = dp_meshes[place];
+    let record = dp_mesh_record(place);
     return DpMaskVertex(bitcast<vec2<f32>>(record.xy), record.z, record.w);
 }
 
 fn dp_mask(place: u32) -> DpMask {
-    let record = dp_meshes[place];
+    let record = dp_mesh_record(place);
     return DpMask(record.x, record.y, bitcast<f32>(record.z), record.w);
 }
 
@@ -93,6 +93,6 @@ fn dp_mask_texel(place: i32, size: i32, mode: u32) -> u32 {
 fn dp_alpha(mask: DpMask, column: u32, row: u32) -> f32 {
     let words = ((mask.size & 0xffffu) + 3u) / 4u;
     let place = mask.first + row * words + column / 4u;
-    let word = dp_meshes[place / 4u][place % 4u];
+    let word = dp_mesh_record(place / 4u)[place % 4u];
     return f32((word >> (8u * (column % 4u))) & 0xffu);
 }

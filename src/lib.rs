@@ -1,8 +1,9 @@
 //! Omnidirectional shadows for point lights from a dual paraboloid pair.
 //!
 //! A point light throws shadows in every direction. This crate makes two maps a light on `wgpu`, one for each hemisphere,
-//! by a rasteriser in compute shaders that decides each texel by its own ray: edges don't bend. The join of the two maps
-//! can't be seen, and there is no bias to tune.
+//! by a rasteriser in compute shaders that decides each texel by its own ray: edges don't bend. A texel knows its triangle,
+//! and where texels disagree the lookup asks the triangles: shadow edges are those of the mesh. The join of the two maps can't
+//! be seen, and there is no bias to tune.
 //!
 //! # Use
 //!
@@ -20,9 +21,9 @@
 //! let door = casters.add_instance(mesh, Affine3A::IDENTITY)?;
 //! let mut shadows = PointShadows::new(device, &PointShadowsDescriptor { capacity: 8, ..Default::default() })?;
 //! let lamp = shadows.add(PointLight { position: Vec3::new(0.0, 3.0, 0.0), range: 25.0, ..Default::default() })?;
-//! let text = [LIGHTING, &wgsl::lookup(1)].concat();
-//! let layout_of_group_1 = shadows.bind_group_layout();
-//! # let _ = (lamp.index(), door, text, layout_of_group_1); Ok(())
+//! let text = [LIGHTING, &wgsl::lookup(1, 2)].concat();
+//! let layouts_of_groups_1_and_2 = [shadows.bind_group_layout(), casters.bind_group_layout()];
+//! # let _ = (lamp.index(), door, text, layouts_of_groups_1_and_2); Ok(())
 //! # }
 //! # fn frame(
 //! #     renderer: &mut Renderer, device: &wgpu::Device, queue: &wgpu::Queue, transform: Affine3A,
@@ -36,12 +37,13 @@
 //! shadows.record(device, queue, encoder, casters)?;
 //! let mut pass = encoder.begin_render_pass(descriptor);
 //! pass.set_bind_group(1, shadows.bind_group(), &[]);
+//! pass.set_bind_group(2, casters.bind_group(), &[]);
 //! # Ok(())
 //! # }
 //! ```
 //!
-//! In the lighting shader, `dp_shadow(light, position, normal)` is the share of a light that arrives: `light` is
-//! [`LightId::index`], the normal is the triangle's own. `dp_shadow_filtered` has softer edges, by the light's [`Filter`];
+//! In the lighting shader, `dp_shadow(light, position, normal, pixel)` is the share of a light that arrives: `light` is
+//! [`LightId::index`], the normal is the triangle's own, and `dp_pixel` says over what pixel. `dp_shadow_filtered` has softer edges, by the light's [`Filter`];
 //! [`wgsl::lookup`] lists the others.
 //!
 //! The device, the queue and the encoder are the caller's, and nothing is submitted. [`PointShadows::record`] makes

@@ -10,7 +10,13 @@ const DEFORMED: &str = include_str!("../shaders/deformed.wgsl");
 const TRANSFORM: &str = include_str!("../shaders/transform.wgsl");
 const MASK: &str = include_str!("../shaders/mask.wgsl");
 /// What mask.wgsl reads, in the stages.
-const MESHES: &str = "@group(1) @binding(0) var<storage, read> dp_meshes: array<vec4<u32>>;\n";
+const MESHES: &str = "
+@group(1) @binding(0) var<storage, read> dp_meshes: array<vec4<u32>>;
+
+fn dp_mesh_record(place: u32) -> vec4<u32> {
+    return dp_meshes[place];
+}
+";
 const MASK_COPY: &str = include_str!("../shaders/mask_copy.wgsl");
 const HEMISPHERE: &str = include_str!("../shaders/hemisphere.wgsl");
 /// The projection of the maps, with what it takes from the mapping.

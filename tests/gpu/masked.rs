@@ -13,7 +13,7 @@ use rand_pcg::Pcg64;
 use wgpu::util::{DeviceExt, TextureDataOrder};
 
 /// Cells across the checkerboard.
-const CELLS: u32 = 8;
+pub const CELLS: u32 = 8;
 
 /// A texture of these alphas.
 fn alpha_texture(width: u32, alphas: &[u8]) -> wgpu::Texture {
@@ -72,7 +72,7 @@ impl Sheet {
 }
 
 /// A checkerboard of holes, 4 across, 1 above a floor.
-fn board_above_floor(quads: u32, texels: u32) -> Casters {
+pub fn board_above_floor(quads: u32, texels: u32) -> Casters {
     let mut casters = Casters::new(&gpu().device);
     let board = Sheet::new(Vec3::new(-2.0, 1.0, -2.0), 4.0 * Vec3::X, 4.0 * Vec3::Z, quads);
     let floor = Sheet::new(Vec3::new(-20.0, 0.0, -20.0), 40.0 * Vec3::X, 40.0 * Vec3::Z, 1);
