@@ -5,7 +5,7 @@ use dual_paraboloid::compare::baselines::{
     Baseline, BaselineError, Bias, Budget, CubeCompute, DeviceScene, Lookup, Method, SceneBuffers,
 };
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::lookup_cost::{Kernel, LookupBench, PassStage, Question};
+use dual_paraboloid::compare::lookup_cost::{Kernel, LightsBench, LightsQuestion, LookupBench, PassStage, Question};
 use dual_paraboloid::compare::measure::{Judge, Truth, choose_light};
 use dual_paraboloid::compare::procedural::{self, shapes};
 use dual_paraboloid::compare::reference::Reference;
@@ -403,6 +403,30 @@ fn the_plane_lookup_has_no_acne() {
     assert!(cube.shadow_values(gpu(), Lookup::Paraboloid, &receivers).is_none());
 }
 
+/// The walk that this library has in the pair, in a cube: as right as there, and far more so than the votes at their best.
+#[test]
+fn walks_in_a_cube_are_as_right_as_in_the_pair() {
+    for scene in [procedural::few_large(), procedural::many_small(200)] {
+        let (light, _) = choose_light(&scene, None, None);
+        let light = PointLight { orientation: Quat::from_euler(glam::EulerRot::XYZ, 0.5, -0.9, 2.0), ..light };
+        let truth = Truth::new(&scene, &light, 50_000, 1);
+        let mut casters = on_device(&scene, Sides::Auto);
+        let mut judge = Judge::new(gpu(), light, &truth);
+        for pair in [128, 512] {
+            let mut wrong = |method: Method, lookup| {
+                let side = method.side(pair, Budget::EqualTexels);
+                let mut baseline = Baseline::new(&gpu().device, method, side).unwrap();
+                let answers = judge.answers(&mut baseline, lookup, &mut casters).unwrap().unwrap();
+                truth.wrong_ppm(&answers.values)
+            };
+            let walks = wrong(Method::CubeCompute, Lookup::CubeWalk);
+            let votes = wrong(Method::CubeCompute, Lookup::CubePlane);
+            let own = wrong(Method::Paraboloid, Lookup::Paraboloid);
+            assert!(walks < 0.4 * votes && walks < 2.0 * own + 60.0, "{pair}: {walks}, votes {votes}, pair {own}");
+        }
+    }
+}
+
 #[test]
 fn warped_and_plain_views_hold_something() {
     let mut scene = on_device(&procedural::many_small(300), Sides::Both);
@@ -640,8 +664,9 @@ fn screen_passes_answer_as_the_lookups_do() {
         own.iter().zip(&other).filter(|(a, b)| (**a >= 0.5) != (**b >= 0.5)).count()
     };
     // Filters of other widths agree but near boundaries, and so does the cube.
-    let own_kinds = [Question::Texels(1), Question::Texels(3), Question::Point, Question::Lookup(Lookup::Paraboloid)];
-    for question in own_kinds.into_iter().chain([Question::Lookup(Lookup::CubePlane)]) {
+    let of_pair = [Question::Texels(1), Question::Texels(3), Question::Point, Question::Lookup(Lookup::Paraboloid)];
+    let of_cubes = [Lookup::CubePlane, Lookup::CubeWalk].map(Question::Lookup);
+    for question in of_pair.into_iter().chain(of_cubes) {
         assert!(differing(question) < own.len() / 10, "{}", question.name());
     }
     for kernel in [Kernel::Square3, Kernel::Square5, Kernel::Disc, Kernel::Soft] {
@@ -654,6 +679,39 @@ fn screen_passes_answer_as_the_lookups_do() {
         let [compute, fragment] = [PassStage::Compute, PassStage::Fragment].map(|stage| bench.answers(question, stage));
         let differing = compute.iter().zip(&fragment).filter(|(a, b)| (*a - *b).abs() > 1e-3).count();
         assert!(differing <= own.len() / 500, "{}: {differing} pixels", question.name());
+    }
+}
+
+/// What a pass over several lights writes is the sum of what passes over each of them do.
+#[test]
+fn lights_are_asked_one_by_one() {
+    let scene = procedural::few_large();
+    let at = |x| PointLight { position: Vec3::new(x, 4.0, 0.0), range: 40.0, ..Default::default() };
+    let lights = [at(0.0), at(2.5)];
+    let shot = Shot::take(&scene, &scene.suggest_camera(lights[0].position), 96, 54);
+    let bench = |lights: &[PointLight]| LightsBench::new(gpu(), &scene, lights, &shot, &[128, 32]).unwrap();
+    let (both, each) = (bench(&lights), lights.map(|light| bench(&[light])));
+    let single = LookupBench::new(gpu(), &scene, &lights[0], &shot, 128).unwrap();
+    for (question, same) in [
+        (LightsQuestion::HardwareCube, Some(Lookup::CubeHardware)),
+        (LightsQuestion::Exact(128), Some(Lookup::Paraboloid)),
+        (LightsQuestion::Votes(128), Some(Lookup::Votes)),
+        (LightsQuestion::CubeWalk(128), Some(Lookup::CubeWalk)),
+        (LightsQuestion::Points(32), None),
+        (LightsQuestion::Mixed(32), None),
+    ] {
+        for stage in PassStage::ALL {
+            let answers = |bench: &LightsBench| bench.answers(question, stage).unwrap();
+            let [first, second] = each.each_ref().map(answers);
+            let differing = |a: &[f32], b: &[f32]| a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-3).count();
+            let sum: Vec<f32> = first.iter().zip(&second).map(|(a, b)| a + b).collect();
+            assert!(differing(&first, &second) > 50, "{}", question.name());
+            assert!(differing(&answers(&both), &sum) <= sum.len() / 500, "{}", question.name());
+            if let Some(lookup) = same {
+                let alone = single.answers(Question::Lookup(lookup), stage);
+                assert!(differing(&first, &alone) <= sum.len() / 500, "{}", question.name());
+            }
+        }
     }
 }
 

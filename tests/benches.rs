@@ -138,6 +138,29 @@ fn lookups_in_a_hurry() {
 }
 
 #[test]
+fn triangles_asked_of_several_lights_in_a_hurry() {
+    let out = folder("lights");
+    let [table, json] = ["table.md", "figures.json"].map(|name| out.join(name).to_str().unwrap().to_owned());
+    let arguments = ["--quick", "--lights", "1,3", "--out", &table, "--json", &json];
+    let (success, printed, said) = bench("lookup", &arguments);
+    assert!(success && !said.contains("panicked"), "{said}");
+    let table = std::fs::read_to_string(table).unwrap();
+    for text in ["exact, over the pixel | 64", "exact, points | 16", "votes", "the same walk", "3 lights", "mixed"] {
+        assert!(printed.contains(text) && table.contains(text), "{text} is missing in:\n{printed}");
+    }
+    let figures: Value = serde_json::from_slice(&std::fs::read(json).unwrap()).unwrap();
+    let scenes = figures["scenes"].as_array().expect("a list of scenes");
+    assert_eq!(scenes.iter().map(|of| of["lights"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 3]);
+    for of in scenes {
+        // Four lookups at two resolutions, the cube and nothing, in two kinds of pass.
+        assert_eq!(of["times"].as_array().map(Vec::len), Some(20), "{of}");
+        // Coarser texels disagree more often.
+        let mixed: Vec<f64> = (0..2).filter_map(|at| of["mixed"][at][1].as_f64()).collect();
+        assert!(mixed.len() == 2 && 0.0 < mixed[0] && mixed[0] < mixed[1] && mixed[1] < 1.0, "{of}");
+    }
+}
+
+#[test]
 fn recording_once() {
     let (success, printed, said) = bench("recording", &["--test"]);
     assert!(success && printed.contains("100000"), "{said}\n{printed}");

@@ -44,7 +44,7 @@ fn assert_keys(object: &Value, keys: &str) {
 
 const ALL: &str = "scene method resolution texels bytes triangles map shadow time";
 const SHADOW: &str = "samples lit_fraction wrong_ppm wrong_energy_ppm leak_ppm false_shadow_ppm far_wrong_ppm \
-                      pixels_wrong_ppm value_error value_error_point crease_mean crease_q001 crease_below_ppm \
+                      back_fraction wrong_front_ppm pixels_wrong_ppm value_error value_error_point points crease_mean crease_q001 crease_below_ppm \
                       ideal_wrong_ppm ideal_votes_wrong_ppm disagree_ppm acne_ppm underlight_ppm";
 /// What of them the paraboloid has alone.
 const OWN: [&str; 5] = ["ideal_wrong_ppm", "ideal_votes_wrong_ppm", "disagree_ppm", "acne_ppm", "underlight_ppm"];
@@ -60,6 +60,7 @@ fn one_method_is_an_object_with_all_keys() {
         "texels wrong_surface_ppm holes phantoms depth_error_median depth_error_p99 depth_error_max",
     );
     assert_keys(&json["shadow"], SHADOW);
+    assert_keys(&json["shadow"]["points"], "pixels_wrong_ppm value_error value_error_point");
     assert_keys(&json["time"], "adapter ms_median ms_min ms_max runs");
     assert_eq!((&json["scene"], &json["method"]), (&Value::from("few-large"), &Value::from("paraboloid")));
     let numbers = [&json["resolution"], &json["texels"], &json["triangles"], &json["shadow"]["samples"]];
@@ -110,6 +111,30 @@ fn several_methods_are_a_list_with_nulls_for_what_they_lack() {
     for (number, part) in [(1, "depth"), (2, "normal"), (3, "ray")] {
         assert!(list[number]["bias"][part].as_f64() >= Some(0.0), "{part}");
     }
+}
+
+/// The rule changes what the library answers and what stands beside it, and not the yardstick.
+#[test]
+fn each_rule_has_its_ideal() {
+    let [votes, exact] = ["votes", "exact"].map(|rule| {
+        let name = format!("{rule}.json");
+        measure(&name, &["--resolution", "128", "--samples", "50000", "--rule", rule]).0["shadow"].clone()
+    });
+    let figure = |shadow: &Value, name: &str| shadow[name].as_f64().unwrap_or_else(|| panic!("{name}: {shadow}"));
+    let of =
+        |shadow: &Value| ["wrong_ppm", "ideal_wrong_ppm", "ideal_votes_wrong_ppm"].map(|name| figure(shadow, name));
+    let [by_votes, votes_ideal, yardstick] = of(&votes);
+    let [by_walks, exact_ideal, same] = of(&exact);
+    assert_eq!(yardstick, same);
+    assert!((votes_ideal / yardstick - 1.0).abs() < 0.1 && (by_votes / yardstick - 1.0).abs() < 0.1, "{votes}");
+    assert!(exact_ideal < 0.2 * yardstick && by_walks < 0.2 * yardstick, "{exact}");
+    assert!(figure(&exact, "disagree_ppm") > 10.0 * figure(&votes, "disagree_ppm"), "{exact} {votes}");
+    assert!(figure(&exact, "crease_below_ppm") < 0.1 * figure(&votes, "crease_below_ppm"), "{exact} {votes}");
+    // Asked over the pixels, edges are smooth; votes don't know what a pixel is.
+    let value_error = |shadow: &Value| figure(shadow, "value_error") / figure(&shadow["points"], "value_error");
+    assert!(value_error(&exact) < 0.9 && value_error(&votes) == 1.0, "{exact} {votes}");
+    let output = run(&["few-large", "--rule", "votes", "--filter", "pcf3"]);
+    assert!(!output.status.success() && utf8(&output.stderr).contains("--filter sharp"), "{}", utf8(&output.stderr));
 }
 
 #[test]

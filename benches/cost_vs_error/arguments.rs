@@ -1,11 +1,13 @@
 //! The command line.
 
+use crate::figures::Conditions;
 use clap::Parser;
 use dual_paraboloid::compare::baselines::Method;
 use dual_paraboloid::compare::cost::{LADDER, Rule};
 use dual_paraboloid::compare::measure::{SCENES_IN_CODE, select_scenes};
 use dual_paraboloid::compare::scene::{SceneError, scene_files, scenes_dir};
 use dual_paraboloid::compare::text::parse_size;
+use dual_paraboloid::compare::timing::Clock;
 use std::path::PathBuf;
 
 /// Cost against error: this library and other ways to make a point light's shadow map.
@@ -38,18 +40,26 @@ pub struct Arguments {
     /// Pixels of the screens whose lookups are timed, separated by commas; the first is part of the headline's time
     #[arg(long, value_name = "WxH", value_delimiter = ',', default_value = "1920x1080,3840x2160", value_parser = parse_size)]
     pub screens: Vec<(u32, u32)>,
+    /// Texels across each map of the pair at which this library's errors are counted by all definitions, separated by
+    /// commas; those of the ladder from 256 to 2048 without it
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    pub own: Vec<u32>,
+    /// Pixels of the scene's camera for these errors
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = parse_size)]
+    pub camera: (u32, u32),
     /// How often to make each map, and each pass over the screen, for the time it takes
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     pub runs: u32,
     /// How long that may take for each scene and resolution; then there are fewer runs, but at least five
     #[arg(long, value_name = "SECONDS", default_value_t = 3)]
     pub seconds: u32,
-    /// Write the report and its pictures to a folder
+    /// Write to a folder: tables, pictures, and the figures of each scene as soon as they are there
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Write all figures
-    #[arg(long, value_name = "FILE.json")]
-    pub json: Option<PathBuf>,
+    /// Measure nothing: make tables and pictures of the figures that earlier runs wrote to these folders, separated by
+    /// commas. Of a scene in several of them the last one's figures count
+    #[arg(long, value_name = "DIR", value_delimiter = ',')]
+    pub merge: Vec<PathBuf>,
     /// Only see whether everything works: two small scenes, tiny maps and screens, few points, one run
     #[arg(long)]
     pub quick: bool,
@@ -65,13 +75,33 @@ impl Arguments {
         if arguments.resolution.is_empty() {
             arguments.resolution = if arguments.quick { vec![32, 64] } else { LADDER.to_vec() };
         }
+        if arguments.own.is_empty() {
+            let middle = |resolution: &u32| arguments.quick || (256..=2048).contains(resolution);
+            arguments.own = arguments.resolution.iter().copied().filter(middle).collect();
+        }
         if !arguments.quick {
             return arguments;
         }
         if arguments.scenes.is_empty() {
             arguments.scenes = ["few-large", "many-small-20"].map(str::to_owned).to_vec();
         }
-        Self { samples: 500, orientations: 2, screens: vec![(64, 36), (96, 54)], runs: 1, ..arguments }
+        let screens = vec![(64, 36), (96, 54)];
+        Self { samples: 500, orientations: 2, camera: screens[0], screens, runs: 1, ..arguments }
+    }
+
+    /// What figures of several runs must have in common.
+    pub fn conditions(&self, clock: Clock) -> Conditions {
+        Conditions {
+            clock,
+            samples: self.samples,
+            orientations: self.orientations,
+            seed: self.seed,
+            runs: self.runs,
+            screens: self.screens.clone(),
+            camera: self.camera,
+            resolutions: self.resolution.clone(),
+            own: self.own.clone(),
+        }
     }
 
     /// The names of the scenes, for [`find_scene`](dual_paraboloid::compare::measure::find_scene).

@@ -11,15 +11,18 @@ use anyhow::{Context, bail, ensure};
 use arguments::Arguments;
 use dual_paraboloid::PointLight;
 use dual_paraboloid::compare::baselines::DeviceScene;
-use dual_paraboloid::compare::cost::{Origin, Plan, Rule, SceneCosts, Subject, orientations};
+use dual_paraboloid::compare::cost::{Origin, OwnErrors, Plan, Rule, SceneCosts, Subject, orientations};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::lookup_cost::Screens;
-use dual_paraboloid::compare::measure::{Judge, Truth, choose_camera, choose_light, find_scene, is_made_in_code};
+use dual_paraboloid::compare::measure::{
+    Judge, Pixels, Truth, choose_camera, choose_light, find_scene, is_made_in_code,
+};
 use dual_paraboloid::compare::scene::{Camera, Scene};
 use dual_paraboloid::compare::shot::Shot;
 use dual_paraboloid::compare::text::one_line;
 use dual_paraboloid::compare::timing::Timer;
-use figures::{Figures, main_resolution};
+use dual_paraboloid::compare::walk::IdealWalks;
+use figures::{Figures, Measured, main_resolution};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::process::ExitCode;
@@ -36,50 +39,45 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if let Some(folder) = &arguments.out {
+        std::fs::create_dir_all(folder).with_context(|| format!("can't make the folder {}", folder.display()))?;
+    }
+    let figures = if arguments.merge.is_empty() {
+        measure_all(arguments)?
+    } else {
+        Figures::merge(Measured::read_all(&arguments.merge)?)?
+    };
+    println!("{}", report::summary(&figures));
+    if let Some(folder) = &arguments.out {
+        println!("written to {}: {}", folder.display(), write(folder, &figures)?.join(", "));
+    }
+    Ok(())
+}
+
+/// Measures all scenes; what ends early leaves the figures of those that it got to.
+fn measure_all(arguments: &Arguments) -> anyhow::Result<Figures> {
     let names = arguments.scene_names()?;
     let features =
         wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS | wgpu::Features::MULTIVIEW;
     let gpu = Gpu::new(features)?;
     let most = gpu.most_receivers();
     ensure!(u64::from(arguments.samples) <= most, "--samples can be {most} at most on {}", gpu.name());
-    if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder).with_context(|| format!("can't make the folder {}", folder.display()))?;
-    }
+    let (width, height) = arguments.camera;
+    ensure!(u64::from(width) * u64::from(height) <= most, "--camera can have {most} pixels at most on {}", gpu.name());
     let timer = Timer::new(&gpu);
     let (plan, left_out) = plan(arguments, &gpu);
-    let mut figures = Figures {
-        adapter: gpu.name(),
-        clock: timer.clock(),
-        samples: arguments.samples,
-        orientations: arguments.orientations,
-        seed: arguments.seed,
-        runs: arguments.runs,
-        screens: arguments.screens.clone(),
-        resolutions: arguments.resolution.clone(),
-        main: main_resolution(&arguments.resolution),
-        scenes: Vec::new(),
-        left_out,
-    };
+    let mut figures = Figures::new(arguments.conditions(timer.clock()), left_out);
     eprintln!("{} scenes on {} (times: {})", names.len(), gpu.name(), timer.clock());
     let bar = progress(names.len() * arguments.rules.len() * arguments.resolution.len());
     let bench = Bench { arguments, gpu: &gpu, timer: &timer, plan, bar };
-    let mut written = Vec::new();
     for name in &names {
         bench.measure(name, &mut figures)?;
-        // What ends early leaves the scenes that it got to.
-        if !figures.scenes.is_empty() {
-            written = write(arguments, &figures)?;
-        }
     }
     bench.bar.finish_and_clear();
     if figures.scenes.is_empty() {
         bail!("nothing could be measured: {}", figures.left_out.join("; "));
     }
-    println!("{}", report::summary(&figures));
-    if let Some(folder) = &arguments.out {
-        println!("written to {}: {}", folder.display(), written.join(", "));
-    }
-    Ok(())
+    Ok(figures)
 }
 
 /// What is measured at each resolution, and which methods the device can't do.
@@ -108,6 +106,8 @@ struct Bench<'a> {
 /// A scene to be measured, and what is the same under all rules.
 struct Setting<'a> {
     scene: Scene,
+    /// As it is, if it has holes.
+    with_holes: Option<Scene>,
     origin: Origin,
     light: PointLight,
     camera: Camera,
@@ -137,15 +137,17 @@ impl<'a> Bench<'a> {
         self.bar.set_message(format!("{name}: the scene"));
         let mut setting = setting(name)?;
         for &rule in &self.arguments.rules {
-            let started = Instant::now();
-            let measured = self.gpu.attempt(|| self.costs(&mut setting, rule));
+            let mut clock = Clock::new();
+            let measured = self.gpu.attempt(|| self.costs(&mut setting, rule, &mut clock));
             match measured.map_err(Into::into).and_then(|costs| costs) {
                 Ok(costs) => {
-                    let seconds = started.elapsed().as_secs_f64();
-                    self.bar.suspend(|| eprintln!("{}, {rule}: measured in {seconds:.1} s", costs.scene));
-                    let of = |what| format!("{}, {rule}: {what}", costs.scene);
-                    figures.left_out.extend(costs.left_out.iter().map(of));
-                    figures.scenes.push(costs);
+                    self.bar.suspend(|| eprintln!("{}, {rule}: {}", costs.scene, clock.text()));
+                    let conditions = figures.conditions.clone();
+                    let measured = Measured { adapter: self.gpu.name(), conditions, costs };
+                    if let Some(folder) = &self.arguments.out {
+                        measured.write(folder)?;
+                    }
+                    figures.add(measured);
                 }
                 Err(error) => {
                     let (scene, why) = (&setting.scene.name, one_line(format!("{error:#}")));
@@ -157,16 +159,17 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    fn costs(&self, setting: &mut Setting<'a>, rule: Rule) -> anyhow::Result<SceneCosts> {
+    fn costs(&self, setting: &mut Setting<'a>, rule: Rule, clock: &mut Clock) -> anyhow::Result<SceneCosts> {
         let name = setting.scene.name.clone();
         let message = |what: &str| self.bar.set_message(format!("{name}, {rule}: {what}"));
-        message("casters");
+        message("the casters");
         let light = setting.light;
         let casters = DeviceScene::new(self.gpu, &setting.scene, rule.sides())?;
         message("the truth");
         let (samples, seed) = (self.arguments.samples as usize, self.arguments.seed);
         let truth = Truth::with_sides(&setting.scene, &light, rule.sides(), samples, seed);
         ensure!(truth.counted() > 0, "its light reaches no surface");
+        clock.lap("truth");
         let orientations = orientations(self.arguments.orientations as usize, seed);
         let turned = PointLight { orientation: orientations[0], ..light };
         let judge = Judge::new(self.gpu, turned, &truth);
@@ -174,6 +177,7 @@ impl<'a> Bench<'a> {
         let origin = setting.origin;
         message("the camera's view");
         let screens = setting.screens(self.gpu, &truth, rule, &self.arguments.screens);
+        clock.lap("view");
         let mut subject = Subject { gpu: self.gpu, timer: self.timer, casters, light, orientations, judge, screens };
         let (mut costs, mut left_out) = (Vec::new(), Vec::new());
         for &pair in &self.arguments.resolution {
@@ -183,17 +187,74 @@ impl<'a> Bench<'a> {
             left_out.extend(without);
             self.bar.inc(1);
         }
-        Ok(SceneCosts { scene: name.clone(), origin, triangles, rule, costs, left_out })
+        clock.lap("methods");
+        message("this library's errors");
+        let mut casters = subject.casters;
+        let own = match rule {
+            Rule::DoubleSided => self.own_errors(setting, &truth, &mut casters)?,
+            Rule::Culled => Vec::new(),
+        };
+        clock.lap("own errors");
+        Ok(SceneCosts { scene: name.clone(), origin, triangles, rule, costs, own, left_out })
+    }
+
+    /// This library's errors by all definitions, with the scene's holes: `truth` and `casters` are without any.
+    fn own_errors(
+        &self,
+        setting: &Setting,
+        truth: &Truth,
+        casters: &mut DeviceScene,
+    ) -> anyhow::Result<Vec<OwnErrors>> {
+        let Arguments { samples, seed, camera: (width, height), .. } = *self.arguments;
+        let (gpu, light, with_holes) = (self.gpu, &setting.light, &setting.with_holes);
+        let mut holed = with_holes.as_ref().map(|scene| {
+            let truth = Truth::new(scene, light, samples as usize, seed);
+            anyhow::Ok((truth, DeviceScene::new(gpu, scene, Rule::DoubleSided.sides())?))
+        });
+        let (truth, casters) = match &mut holed {
+            None => (truth, casters),
+            Some(Ok((truth, casters))) => (&*truth, casters),
+            Some(Err(error)) => bail!("{error:#}"),
+        };
+        let scene = with_holes.as_ref().unwrap_or(&setting.scene);
+        let pixels = Pixels::new(truth, scene, &setting.camera, width, height);
+        let walks = IdealWalks::new(scene);
+        let find = |&resolution: &u32| Ok(OwnErrors::find(gpu, truth, &walks, &pixels, casters, light, resolution)?);
+        self.arguments.own.iter().map(find).collect()
+    }
+}
+
+/// What the steps of a scene took, for whoever waits.
+struct Clock {
+    last: Instant,
+    laps: Vec<(&'static str, Duration)>,
+}
+
+impl Clock {
+    fn new() -> Self {
+        Self { last: Instant::now(), laps: Vec::new() }
+    }
+
+    fn lap(&mut self, what: &'static str) {
+        self.laps.push((what, self.last.elapsed()));
+        self.last = Instant::now();
+    }
+
+    fn text(&self) -> String {
+        let all: Duration = self.laps.iter().map(|lap| lap.1).sum();
+        let laps = self.laps.iter().map(|(what, time)| format!("{what} {:.1}", time.as_secs_f64()));
+        format!("measured in {:.1} s: {}", all.as_secs_f64(), laps.collect::<Vec<_>>().join(", "))
     }
 }
 
 fn setting<'a>(name: &str) -> anyhow::Result<Setting<'a>> {
+    let scene = find_scene(name)?;
     // The other methods know no holes.
-    let scene = find_scene(name)?.without_holes();
+    let (scene, with_holes) = if scene.has_holes() { (scene.without_holes(), Some(scene)) } else { (scene, None) };
     let (light, choice) = choose_light(&scene, None, None);
     let camera = choose_camera(&scene, &light, choice);
     let origin = if is_made_in_code(name) { Origin::Code } else { Origin::File };
-    Ok(Setting { origin, light, camera, screens: None, scene })
+    Ok(Setting { origin, light, camera, screens: None, scene, with_holes })
 }
 
 /// A bar on stderr; indicatif shows it on a terminal only.
@@ -204,19 +265,20 @@ fn progress(steps: usize) -> ProgressBar {
     bar
 }
 
-/// Writes what was asked for, and returns the names of the files in the folder.
-fn write(arguments: &Arguments, figures: &Figures) -> anyhow::Result<Vec<String>> {
-    if let Some(path) = &arguments.json {
-        write_file(path, &format!("{:#}\n", figures.to_json()))?;
-    }
-    let Some(folder) = &arguments.out else { return Ok(Vec::new()) };
+/// Writes tables and pictures to a folder, and returns the names of the files.
+fn write(folder: &Path, figures: &Figures) -> anyhow::Result<Vec<String>> {
     let pictures = pictures::write_all(folder, figures)?;
     let links: String = pictures.iter().map(|name| format!("\n![{name}]({name})\n")).collect();
-    let text = format!("{}{links}{}", report::summary(figures), report::details(figures));
-    write_file(&folder.join("report.md"), &text)?;
-    Ok(["report.md".to_owned()].into_iter().chain(pictures).collect())
-}
-
-fn write_file(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| format!("can't write {}", path.display()))
+    let cost = format!("{}{links}{}", report::summary(figures), report::details(figures));
+    let texts = [
+        ("cost.md", cost),
+        ("errors.md", report::errors(figures)),
+        ("exact.md", report::exact(figures)),
+        ("readme.md", report::readme(figures)),
+    ];
+    for (name, text) in &texts {
+        let path = folder.join(name);
+        std::fs::write(&path, text).with_context(|| format!("can't write {}", path.display()))?;
+    }
+    Ok(texts.iter().map(|(name, _)| (*name).to_owned()).chain(pictures).collect())
 }

@@ -67,7 +67,7 @@ impl Page<'_> {
         let (head, body) = root.split_vertically(TITLE);
         let text = |text: String, y, size: u32| Text::new(text, (16, y), ("sans-serif", size).into_font().color(&INK));
         head.draw(&text(format!("{title}, {}", self.rule), 10, 20))?;
-        head.draw(&text(format!("{}, {}", self.figures.adapter, self.figures.clock), 34, 13))?;
+        head.draw(&text(format!("{}, {}", self.figures.adapter(), self.figures.conditions.clock), 34, 13))?;
         draw(&body)?;
         root.present().map_err(|error| anyhow!("can't write {}: {error}", path.display()))?;
         ensure!(path.is_file(), "{} was not written", path.display());

@@ -1,5 +1,8 @@
 //! The figures as text: Markdown that reads well on a terminal.
 
+mod errors;
+mod exact;
+mod readme;
 mod scenes;
 
 use crate::figures::{Figures, contestants, methods, rivals};
@@ -10,18 +13,23 @@ use dual_paraboloid::compare::cost::{
 use dual_paraboloid::compare::text::{Table, grouped};
 use std::fmt::Write;
 
+pub use errors::errors;
+pub use exact::exact;
+pub use readme::readme;
 pub use scenes::details;
+
+const NO_REAL_SCENES: &str = "\nThere are no real scenes: name their folder in DP_SCENES.\n";
 
 /// The conditions, the main table, what is behind it, and a line for each scene.
 pub fn summary(figures: &Figures) -> String {
     let mut text = format!(
         "# Cost against error\n\n{}; times: {}; {} samples, {} random orientations of all maps, seed {}, up to {} runs.\n",
-        figures.adapter,
-        figures.clock,
-        grouped(figures.samples as usize),
-        figures.orientations,
-        figures.seed,
-        figures.runs
+        figures.adapter(),
+        figures.conditions.clock,
+        grouped(figures.conditions.samples as usize),
+        figures.conditions.orientations,
+        figures.conditions.seed,
+        figures.conditions.runs
     );
     for rule in figures.rules() {
         let groups = figures.groups(rule);
@@ -35,7 +43,7 @@ pub fn summary(figures: &Figures) -> String {
             );
         }
         if !groups.iter().any(|(origin, _)| *origin == Origin::File) {
-            text += "\nThere are no real scenes: name their folder in DP_SCENES.\n";
+            text += NO_REAL_SCENES;
         }
     }
     let _ = write!(text, "\n{}\n", legend(figures));
@@ -74,9 +82,9 @@ against rays cast in double precision; their ratios have {ERROR_FLOOR_PPM} ppm a
 of a cube have as many as the pair; *equal bytes*: a light's maps take as many, error interpolated on the other's curve. \
 *Pooled* is sum over sum; *wins* counts scenes where this library does better. The scenes `dense-*` count as one. Where \
 nothing was wrong, curves have 3/n: {} ppm.",
-        Timed::HEADLINE.name(&figures.screens),
-        figures.resolutions,
-        3e6 / f64::from(figures.samples),
+        Timed::HEADLINE.name(&figures.conditions.screens),
+        figures.conditions.resolutions,
+        3e6 / f64::from(figures.conditions.samples),
     )
 }
 
@@ -135,8 +143,9 @@ fn family<T>(worst: &Option<(String, T)>) -> String {
 /// Median and worst of every kind of time, at this library's error, and of the headline's over the range of errors that
 /// both curves share.
 fn other_times(figures: &Figures, scenes: &[&SceneCosts]) -> Table {
-    let timed = Timed::all(figures.screens.len());
-    let names = timed.iter().map(|timed| timed.name(&figures.screens)).chain(["headline, shared errors".to_owned()]);
+    let timed = Timed::all(figures.conditions.screens.len());
+    let names =
+        timed.iter().map(|timed| timed.name(&figures.conditions.screens)).chain(["headline, shared errors".to_owned()]);
     let titles: Vec<String> = ["against".to_owned()].into_iter().chain(names).collect();
     let mut table = Table::new(&titles.iter().map(String::as_str).collect::<Vec<_>>());
     for rival in rivals(scenes) {
@@ -152,14 +161,14 @@ fn other_times(figures: &Figures, scenes: &[&SceneCosts]) -> Table {
 /// Median and worst of the map's time alone, at each size.
 fn equal_size(figures: &Figures, scenes: &[&SceneCosts]) -> Table {
     let mut titles = vec!["against".to_owned(), format!("equal side, R = {}", figures.main)];
-    titles.extend(figures.resolutions.iter().map(|pair| format!("equal texels, R = {pair}")));
+    titles.extend(figures.conditions.resolutions.iter().map(|pair| format!("equal texels, R = {pair}")));
     let mut table = Table::new(&titles.iter().map(String::as_str).collect::<Vec<_>>());
     for method in methods(scenes).into_iter().filter(|method| *method != Method::Paraboloid) {
         let cell = |budget, pair| {
             median_and_worst(&Ratios::new(scenes, |costs| costs.at_equal_size(method, budget, pair)).summary())
         };
         let sides = if method.is_cube() { cell(Budget::EqualSide, figures.main) } else { or_dash(None) };
-        let texels = figures.resolutions.iter().map(|&pair| cell(Budget::EqualTexels, pair));
+        let texels = figures.conditions.resolutions.iter().map(|&pair| cell(Budget::EqualTexels, pair));
         table.row([method.to_string(), sides].into_iter().chain(texels));
     }
     table

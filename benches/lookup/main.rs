@@ -2,6 +2,8 @@
 //!
 //! `cargo bench --bench lookup`; `-- --help` says what can be chosen.
 
+mod lights;
+
 use anyhow::Context;
 use clap::Parser;
 use dual_paraboloid::compare::cost::geometric_mean;
@@ -41,6 +43,10 @@ struct Arguments {
     /// Write the figures
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
+    /// Only what asking the triangles costs: beside votes, the same walk in a cube and the hardware's comparison in cubes,
+    /// for each of these numbers of lights a pixel, separated by commas. 0 for all lookups with one light
+    #[arg(long, value_name = "N", value_delimiter = ',', default_value = "0", value_parser = clap::value_parser!(u32).range(..=32))]
+    lights: Vec<u32>,
     /// Only see whether everything works: a small scene, a tiny map, few pixels, one run
     #[arg(long)]
     quick: bool,
@@ -67,6 +73,9 @@ fn main() -> ExitCode {
 
 fn run(arguments: Arguments) -> anyhow::Result<()> {
     let arguments = if arguments.quick { quick(arguments) } else { arguments };
+    if arguments.lights != [0] {
+        return lights::run(&arguments);
+    }
     let names = select_scenes(&arguments.scenes)?;
     let gpu = Gpu::new(wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)?;
     let timer = Timer::new(&gpu);
@@ -99,6 +108,11 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
         "resolution": arguments.resolution,
         "scenes": scenes,
     });
+    write(&arguments, text, &json)
+}
+
+/// Writes the files that were asked for.
+fn write(arguments: &Arguments, text: String, json: &serde_json::Value) -> anyhow::Result<()> {
     let files = [(&arguments.out, text), (&arguments.json, format!("{json:#}\n"))];
     files.iter().filter_map(|(path, text)| Some((path.as_ref()?, text))).try_for_each(|(path, text)| {
         std::fs::write(path, text).with_context(|| format!("can't write {}", path.display()))

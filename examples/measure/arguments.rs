@@ -1,7 +1,7 @@
 //! The command line.
 
 use crate::filter::FilterName;
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 use dual_paraboloid::compare::baselines::{Lookup, Method};
 use dual_paraboloid::compare::error_figures::SAMPLES;
 use dual_paraboloid::compare::scene::STATED_SIZE;
@@ -30,9 +30,13 @@ pub struct Arguments {
     #[arg(long, value_name = "N", conflicts_with = "resolution", value_parser = clap::value_parser!(u64).range(1..))]
     pub texels: Option<u64>,
     /// Methods, separated by commas: paraboloid, vertex-warp, cube, cube-plane, cube-unculled, cube-16,
-    /// cube-routed, cube-multiview, depth-view
+    /// cube-routed, cube-multiview, cube-compute, depth-view
     #[arg(long = "method", value_name = "METHOD", value_delimiter = ',', default_value = "paraboloid")]
     pub methods: Vec<Entry>,
+    /// How `paraboloid` decides where the texels around a receiver disagree, and by which rule the ray-cast map beside it
+    /// is read: by the triangles that they show, or by their votes alone
+    #[arg(long, value_enum, default_value_t = Rule::Exact)]
+    pub rule: Rule,
     /// How the lookup of `paraboloid` softens shadows
     #[arg(long, value_enum, default_value_t = FilterName::Sharp)]
     pub filter: FilterName,
@@ -59,6 +63,15 @@ pub struct Arguments {
     pub pictures: Option<PathBuf>,
 }
 
+/// How the library's lookup decides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Rule {
+    /// `dp_shadow` of the lookup without triangles.
+    Votes,
+    /// `dp_shadow`.
+    Exact,
+}
+
 /// A row of the table: a method with one of its lookups.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry {
@@ -72,9 +85,13 @@ impl Entry {
         if self.is_cube_plane() { "cube-plane" } else { self.method.name() }
     }
 
-    /// The lookup that is judged: `paraboloid` has the one of the light's filter.
-    pub fn judged(self) -> Option<Lookup> {
-        if self.lookup == Some(Lookup::Paraboloid) { Some(Lookup::Filtered) } else { self.lookup }
+    /// The lookup that is judged: `paraboloid` has the one of the light's filter, or that of the votes.
+    pub fn judged(self, rule: Rule) -> Option<Lookup> {
+        match (self.lookup, rule) {
+            (Some(Lookup::Paraboloid), Rule::Exact) => Some(Lookup::Filtered),
+            (Some(Lookup::Paraboloid), Rule::Votes) => Some(Lookup::Votes),
+            (lookup, _) => lookup,
+        }
     }
 
     /// Whether it has a time of its own; that of `cube-plane` is the time of `cube`.

@@ -1,13 +1,14 @@
 //! All figures of all methods.
 
-use crate::arguments::{Arguments, Entry};
+use crate::arguments::{Arguments, Entry, Rule};
 use anyhow::{anyhow, bail};
 use dual_paraboloid::compare::area_light::{SoftError, shares_of_sphere, soft_error};
 use dual_paraboloid::compare::baselines::{Baseline, DeviceScene, Lookup};
-use dual_paraboloid::compare::error_figures::{CreaseError, Receiver};
+use dual_paraboloid::compare::error_figures::{CreaseError, Receiver, ShadowError};
 use dual_paraboloid::compare::gpu::Gpu;
-use dual_paraboloid::compare::measure::{Judge, Judged, PixelError, Pixels};
+use dual_paraboloid::compare::measure::{Judge, Judged, PixelErrors, Pixels};
 use dual_paraboloid::compare::timing::{Rounds, Summary, Timer};
+use dual_paraboloid::compare::walk::{IdealWalks, STEPS};
 use dual_paraboloid::{Filter, PointLight};
 use indicatif::ProgressBar;
 
@@ -23,10 +24,12 @@ pub struct Measured {
     pub resolution: u32,
     pub baseline: Baseline,
     pub judged: Option<Judged>,
+    /// What the rule says of the ray-cast map; the paraboloid's alone.
+    pub ideal: Option<ShadowError>,
     /// In lit creases, if the scene has any.
     pub crease: Option<CreaseError>,
     /// At the camera's pixels, if any shows a lit side.
-    pub pixels: Option<PixelError>,
+    pub pixels: Option<PixelErrors>,
     /// Beside the frozen yardstick; the paraboloid's alone.
     pub votes: Option<Votes>,
     /// Against a ray-traced sphere of light, where that is what the lookup means to show.
@@ -60,6 +63,7 @@ pub fn prepare(gpu: &Gpu, arguments: &Arguments) -> anyhow::Result<Vec<Measured>
                 resolution,
                 baseline,
                 judged: None,
+                ideal: None,
                 crease: None,
                 pixels: None,
                 votes: None,
@@ -73,6 +77,8 @@ pub fn prepare(gpu: &Gpu, arguments: &Arguments) -> anyhow::Result<Vec<Measured>
 /// Judges each method's shadows. A step of the bar for each.
 pub fn find_errors(
     judge: &mut Judge,
+    rule: Rule,
+    walks: &IdealWalks,
     pixels: &Pixels,
     measured: &mut [Measured],
     scene: &mut DeviceScene,
@@ -80,9 +86,14 @@ pub fn find_errors(
 ) -> anyhow::Result<()> {
     for one in measured {
         bar.set_message(format!("errors of {}", one.entry.name()));
-        if let Some(lookup) = one.entry.judged() {
+        if let Some(lookup) = one.entry.judged(rule) {
             one.judged = judge.judge(&mut one.baseline, lookup, scene)?;
             find_more(judge, pixels, one, lookup);
+            let ideal = one.judged.as_ref().and_then(|judged| judged.ideal.as_ref());
+            one.ideal = ideal.map(|(map, votes)| match rule {
+                Rule::Votes => *votes,
+                Rule::Exact => judge.truth().judge(&walks.shadows(judge.truth(), map, STEPS)),
+            });
         }
         bar.inc(1);
     }
@@ -99,12 +110,7 @@ fn find_more(judge: &Judge, pixels: &Pixels, one: &mut Measured, lookup: Lookup)
             Votes { wrong_ppm: truth.wrong_ppm(&votes), disagree_ppm: truth.disagree_ppm(&values, &votes) }
         });
     }
-    let inputs = pixels.inputs();
-    // A buffer can't be empty.
-    if !inputs.is_empty() {
-        let values = one.baseline.shadow_values(gpu, lookup, &inputs);
-        one.pixels = values.and_then(|values| pixels.judge(&values));
-    }
+    one.pixels = pixels.errors(gpu, &one.baseline, lookup);
     one.soft = find_soft_error(judge, &one.baseline, lookup);
 }
 

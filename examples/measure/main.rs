@@ -11,14 +11,16 @@ mod report;
 mod truth_depth;
 
 use anyhow::{anyhow, ensure};
-use arguments::Arguments;
+use arguments::{Arguments, Rule};
 use clap::Parser;
 use dual_paraboloid::compare::baselines::{DeviceScene, Method};
 use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::compare::measure::{Judge, Pixels, Truth, choose_camera, choose_light, find_scene};
 use dual_paraboloid::compare::text::{grouped, one_line};
 use dual_paraboloid::compare::timing::Timer;
+use dual_paraboloid::compare::walk::IdealWalks;
 use dual_paraboloid::{PointLight, Sides};
+use filter::FilterName;
 use indicatif::{ProgressBar, ProgressStyle};
 use report::Common;
 use std::process::ExitCode;
@@ -44,6 +46,10 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (light, choice) = choose_light(&scene, arguments.light, arguments.range);
     let light = PointLight { filter: arguments.filter.with(arguments.light_radius, light.range), ..light };
     light.validate()?;
+    ensure!(
+        arguments.rule == Rule::Exact || arguments.filter == FilterName::Sharp,
+        "--rule votes is of --filter sharp: the other filters have votes of their own"
+    );
     let gpu = Gpu::new(
         wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS | wgpu::Features::MULTIVIEW,
     )?;
@@ -82,7 +88,9 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     bar.inc(1);
     let pixels = Pixels::new(&truth, &scene, &camera, width, height);
     bar.inc(1);
-    figures::find_errors(&mut Judge::new(&gpu, light, &truth), &pixels, &mut measured, &mut casters, &bar)?;
+    let mut judge = Judge::new(&gpu, light, &truth);
+    let walks = IdealWalks::new(&scene);
+    figures::find_errors(&mut judge, arguments.rule, &walks, &pixels, &mut measured, &mut casters, &bar)?;
     figures::find_times(&timer, &gpu, &mut measured, &mut casters, &light, arguments.runs as usize, &bar)?;
     bar.finish_and_clear();
 
@@ -98,7 +106,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         report::write_json(path, &common, &measured)?;
     }
     if let Some(folder) = &arguments.pictures {
-        pictures::write_all(folder, &gpu, &scene, &camera, &truth, &measured)?;
+        pictures::write_all(folder, &gpu, &scene, &camera, &truth, arguments.rule, &measured)?;
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! Pictures of where the errors are.
 
+use crate::arguments::Rule;
 use crate::figures::Measured;
 use crate::truth_depth;
 use anyhow::anyhow;
@@ -35,6 +36,7 @@ pub fn write_all(
     scene: &Scene,
     camera: &Camera,
     truth: &Truth,
+    rule: Rule,
     measured: &[Measured],
 ) -> anyhow::Result<()> {
     let view = View::new(scene, camera, truth);
@@ -42,7 +44,8 @@ pub fn write_all(
         if let Some(picture) = one.judged.as_ref().and_then(|judged| map(judged, truth)) {
             write(&folder.join("map.png"), &picture)?;
         }
-        let values = one.entry.judged().and_then(|lookup| one.baseline.shadow_values(gpu, lookup, &view.inputs()));
+        let lookup = one.entry.judged(rule);
+        let values = lookup.and_then(|lookup| one.baseline.shadow_values(gpu, lookup, &view.inputs()));
         if let Some(values) = values {
             write(&folder.join(format!("screen-{}.png", one.entry.name())), &view.picture(&values))?;
         }

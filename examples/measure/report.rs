@@ -44,12 +44,18 @@ fn object(common: &Common, one: &Measured) -> Value {
 fn shadow(one: &Measured) -> Value {
     let Some(judged) = &one.judged else { return Value::Null };
     let mut shadow = json!(judged.shadow);
-    shadow["ideal_wrong_ppm"] = json!(judged.ideal.as_ref().map(|(_, error)| error.wrong_ppm));
+    shadow["ideal_wrong_ppm"] = json!(one.ideal.map(|error| error.wrong_ppm));
     shadow["ideal_votes_wrong_ppm"] = json!(one.votes.map(|votes| votes.wrong_ppm));
     shadow["disagree_ppm"] = json!(one.votes.map(|votes| votes.disagree_ppm));
-    shadow["pixels_wrong_ppm"] = json!(one.pixels.map(|pixels| pixels.wrong_ppm));
-    shadow["value_error"] = json!(one.pixels.map(|pixels| pixels.value_error));
-    shadow["value_error_point"] = json!(one.pixels.map(|pixels| pixels.value_error_point));
+    let [pixels, points] = [one.pixels.map(|errors| errors.pixels), one.pixels.map(|errors| errors.points)];
+    shadow["pixels_wrong_ppm"] = json!(pixels.map(|pixels| pixels.wrong_ppm));
+    shadow["value_error"] = json!(pixels.map(|pixels| pixels.value_error));
+    shadow["value_error_point"] = json!(pixels.map(|pixels| pixels.value_error_point));
+    shadow["points"] = json!({
+        "pixels_wrong_ppm": points.map(|points| points.wrong_ppm),
+        "value_error": points.map(|points| points.value_error),
+        "value_error_point": points.map(|points| points.value_error_point),
+    });
     shadow["crease_mean"] = json!(one.crease.map(|crease| crease.mean));
     shadow["crease_q001"] = json!(one.crease.map(|crease| crease.q001));
     shadow["crease_below_ppm"] = json!(one.crease.map(|crease| crease.below_ppm));
@@ -105,7 +111,7 @@ fn map_lines(line: Line) {
 
 fn shadow_lines(line: Line) {
     let shadow = |one: &Measured| Some(one.judged.as_ref()?.shadow);
-    let ideal = |one: &Measured| Some(one.judged.as_ref()?.ideal.as_ref()?.1);
+    let ideal = |one: &Measured| one.ideal;
     line("shadow: samples", &|one| Some(grouped(shadow(one)?.samples)));
     line("  truly lit, %", &|one| Some(format!("{:.1}", 100.0 * shadow(one)?.lit_fraction)));
     line("  wrong, ppm", &|one| Some(ppm(shadow(one)?.wrong_ppm)));
@@ -113,9 +119,12 @@ fn shadow_lines(line: Line) {
     line("    false shadows", &|one| Some(ppm(shadow(one)?.false_shadow_ppm)));
     line("    far from a boundary", &|one| Some(ppm(shadow(one)?.far_wrong_ppm)));
     line("  wrong by energy, ppm", &|one| Some(ppm(shadow(one)?.wrong_energy_ppm)));
-    line("  wrong pixels, ppm", &|one| Some(ppm(one.pixels?.wrong_ppm)));
-    line("  value error: of pixels", &|one| Some(format!("{:.6}", one.pixels?.value_error)));
-    line("    of points", &|one| Some(format!("{:.6}", one.pixels?.value_error_point)));
+    line("  wrong pixels, ppm", &|one| Some(ppm(one.pixels?.pixels.wrong_ppm)));
+    line("    asked as points", &|one| Some(ppm(one.pixels?.points.wrong_ppm)));
+    line("  value error", &|one| Some(format!("{:.6}", one.pixels?.pixels.value_error)));
+    line("    to the middle's truth", &|one| Some(format!("{:.6}", one.pixels?.pixels.value_error_point)));
+    line("    asked as points", &|one| Some(format!("{:.6}", one.pixels?.points.value_error)));
+    line("      to the middle's truth", &|one| Some(format!("{:.6}", one.pixels?.points.value_error_point)));
     line("  in lit creases: samples", &|one| Some(grouped(one.crease?.samples)));
     line("    mean", &|one| Some(format!("{:.3}", one.crease?.mean)));
     line("    0.1 %", &|one| Some(format!("{:.3}", one.crease?.q001)));
@@ -128,7 +137,7 @@ fn shadow_lines(line: Line) {
     line("  all errors: rms", &|one| Some(format!("{:.4}", one.soft?.rms)));
     line("    99 %", &|one| Some(format!("{:.4}", one.soft?.p99)));
     line("    most", &|one| Some(format!("{:.4}", one.soft?.worst)));
-    line("  ideal map: wrong, ppm", &|one| Some(ppm(ideal(one)?.wrong_ppm)));
+    line("  ray-cast map: wrong, ppm", &|one| Some(ppm(ideal(one)?.wrong_ppm)));
     line("    far from a boundary", &|one| Some(ppm(ideal(one)?.far_wrong_ppm)));
     line("  votes-v1: wrong, ppm", &|one| Some(ppm(one.votes?.wrong_ppm)));
     line("    wrong / votes-v1", &|one| Some(format!("{:.3}", shadow(one)?.wrong_ppm / one.votes?.wrong_ppm)));

@@ -4,6 +4,7 @@
 //! everything from scratch each time. Those that draw as engines do take meshes in their own space and a transform for each instance.
 
 mod cube;
+mod cube_array;
 mod cube_compute;
 mod cube_lookup;
 mod cube_map;
@@ -18,7 +19,9 @@ mod scene_buffers;
 mod vertex_warp;
 
 pub use cube::{Cube, CubeMultiview, Culling};
+pub(super) use cube_array::{CubeArray, text as cube_array_text};
 pub use cube_compute::CubeCompute;
+pub(super) use cube_compute::shape as cube_shape;
 pub use cube_map::CubeDepth;
 pub use cube_routed::CubeRouted;
 pub use depth_view::DepthView;
@@ -28,7 +31,7 @@ pub use scene_buffers::SceneBuffers;
 pub use vertex_warp::VertexWarp;
 
 use super::fill;
-use super::gpu::{Evaluator, Gpu, evaluation};
+use super::gpu::{Evaluator, Gpu, evaluation, evaluation_over};
 use super::scene::Scene;
 use crate::{Casters, Error, PointLight, PointShadows, Sides, Stage};
 use glam::Vec3;
@@ -249,9 +252,10 @@ impl Baseline {
         }
     }
 
-    /// What the text of [`Lookup::text`] reads: its bind groups with their layouts; none for [`Method::DepthView`].
+    /// What the [text](Lookup::text) of one of this method's lookups reads: its bind groups with their layouts; none for
+    /// [`Method::DepthView`].
     #[must_use]
-    pub fn bind_groups(&self) -> Vec<Bound<'_>> {
+    pub fn bind_groups(&self, lookup: Lookup) -> Vec<Bound<'_>> {
         let map = |(group, layout)| vec![(Some(group), layout)];
         match &self.kind {
             Kind::Pair(pair) => pair.bind_groups().to_vec(),
@@ -259,6 +263,7 @@ impl Baseline {
             Kind::Cube(cube) => map(cube.lookup().bind_group()),
             Kind::CubeRouted(cube) => map(cube.lookup().bind_group()),
             Kind::CubeMultiview(cube) => map(cube.lookup().bind_group()),
+            Kind::CubeCompute(cube) if lookup == Lookup::CubeWalk => cube.walk_groups().to_vec(),
             Kind::CubeCompute(cube) => map(cube.lookup().bind_group()),
             Kind::DepthView(_) => Vec::new(),
         }
@@ -268,23 +273,63 @@ impl Baseline {
     /// read this method's map.
     #[must_use]
     pub fn shadow_values(&self, gpu: &Gpu, lookup: Lookup, receivers: &[(Vec3, Vec3)]) -> Option<Vec<f32>> {
-        self.answers(gpu, &self.evaluator(gpu, lookup, receivers)?)
+        self.answers(gpu, lookup, &self.evaluator(gpu, lookup, receivers)?)
+    }
+
+    /// [`Self::shadow_values`] at receivers in the pixels of a camera at `eye`, each over its pixel, of `angle` radians, where
+    /// the lookup takes that.
+    #[must_use]
+    pub fn pixel_values(
+        &self,
+        gpu: &Gpu,
+        lookup: Lookup,
+        receivers: &[(Vec3, Vec3)],
+        eye: Vec3,
+        angle: f32,
+    ) -> Option<Vec<f32>> {
+        if !lookup.takes_pixel() {
+            return self.shadow_values(gpu, lookup, receivers);
+        }
+        let pixel = format!("dp_pixel(vec3<f32>({:?}, {:?}, {:?}), position, normal, {angle:?})", eye.x, eye.y, eye.z);
+        let text = evaluation_over(&pixel, lookup.expression());
+        self.answers(gpu, lookup, &self.evaluator_of(gpu, lookup, &text, receivers)?)
     }
 
     /// Asks a lookup for each receiver, in this map and in all others that the lookup reads. `None` for a lookup that
     /// doesn't read this method's map.
     #[must_use]
     pub fn evaluator(&self, gpu: &Gpu, lookup: Lookup, receivers: &[(Vec3, Vec3)]) -> Option<Evaluator> {
-        let layouts: Vec<_> = self.bind_groups().into_iter().map(|(_, layout)| layout).collect();
-        let text = [lookup.text(0), evaluation(lookup.expression())].concat();
+        self.evaluator_of(gpu, lookup, &evaluation(lookup.expression()), receivers)
+    }
+
+    fn evaluator_of(
+        &self,
+        gpu: &Gpu,
+        lookup: Lookup,
+        evaluation: &str,
+        receivers: &[(Vec3, Vec3)],
+    ) -> Option<Evaluator> {
+        let layouts: Vec<_> = self.bind_groups(lookup).into_iter().map(|(_, layout)| layout).collect();
+        let text = [&lookup.text(0), evaluation].concat();
         self.method.is_read_by(lookup).then(|| gpu.evaluator(&text, &layouts, receivers))
     }
 
-    /// What the evaluator of one of this method's lookups finds in this map; `None` without any lookup.
+    /// What the evaluator of one of this method's lookups finds in this map; `None` of a map that has none.
     #[must_use]
-    pub fn answers(&self, gpu: &Gpu, evaluator: &Evaluator) -> Option<Vec<f32>> {
-        let groups: Vec<_> = self.bind_groups().into_iter().map(|(group, _)| group).collect();
-        (!groups.is_empty()).then(|| evaluator.values(gpu, &groups))
+    pub fn answers(&self, gpu: &Gpu, lookup: Lookup, evaluator: &Evaluator) -> Option<Vec<f32>> {
+        self.with_answers(gpu, lookup, evaluator, <[f32]>::to_vec)
+    }
+
+    /// Does something with [`Self::answers`], without a copy of them.
+    pub fn with_answers<R>(
+        &self,
+        gpu: &Gpu,
+        lookup: Lookup,
+        evaluator: &Evaluator,
+        use_answers: impl FnOnce(&[f32]) -> R,
+    ) -> Option<R> {
+        let groups: Vec<_> = self.bind_groups(lookup).into_iter().map(|(group, _)| group).collect();
+        (!groups.is_empty()).then(|| evaluator.with_values(gpu, &groups, use_answers))
     }
 }
 

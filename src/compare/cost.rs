@@ -1,13 +1,14 @@
 //! What maps cost and how wrong they are, over methods, resolutions and scenes: the comparison of the benchmark.
 //!
 //! A [`Subject`] is a scene with its light and its truth; [`Subject::costs`] measures all methods of a [`Plan`] at one
-//! resolution of the [ladder](LADDER). [`Curve`] compares two methods where they are equally wrong, [`Ratios`] their
+//! resolution of the [ladder](LADDER), [`OwnErrors`] are this library's own by all definitions. [`Curve`] compares two methods where they are equally wrong, [`Ratios`] their
 //! times over scenes, [`ErrorRatios`] their errors.
 
 mod bytes;
 mod curve;
 mod error_ratios;
 mod orientations;
+mod own_errors;
 mod ratios;
 mod scene_costs;
 mod step;
@@ -16,6 +17,7 @@ pub use bytes::{BreakEven, Bytes};
 pub use curve::{Curve, Point, Ratio, Reading, geometric_mean, pareto_front, shown_error};
 pub use error_ratios::{ERROR_FLOOR_PPM, ErrorPair, ErrorRatios, error_ratio};
 pub use orientations::{TurnedErrors, orientations, turned_errors};
+pub use own_errors::{OwnErrors, OwnLookup};
 pub use ratios::{RatioSummary, Ratios, SceneRatio};
 pub use scene_costs::{Contestant, Origin, SceneCosts};
 pub use step::{Plan, Subject};
@@ -28,14 +30,14 @@ use super::baselines::{Bias, Budget, Lookup, Method};
 use super::lookup_cost::PassStage;
 use super::timing::{Summary, as_milliseconds, milliseconds};
 use crate::Sides;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Texels across each map of the pair at which curves are measured, all methods alike; cubes have as many texels in
 /// all.
 pub const LADDER: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
 
 /// Which sides of all meshes cast, for all methods alike.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rule {
     /// Both sides of every triangle.
@@ -86,7 +88,7 @@ impl FromStr for Rule {
 }
 
 /// A method's figures at one resolution.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 pub struct Cost {
     /// What made the map.
     pub method: Method,
@@ -113,7 +115,7 @@ pub struct Cost {
 }
 
 /// How wrong a lookup is, and what it takes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 pub struct LookupCost {
     /// The lookup.
     pub lookup: Lookup,
@@ -130,7 +132,7 @@ pub struct LookupCost {
 }
 
 /// What a pass takes that asks a lookup at each pixel of a screen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 pub struct ScreenTime {
     /// Pixels across.
     pub width: u32,
@@ -181,19 +183,19 @@ impl Timed {
 }
 
 /// Shares of a recording's time, from the medians of recordings that stop early. Written out in milliseconds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Stages {
     /// Leaving out, drawing what is small, recording what is large.
-    #[serde(rename = "ms_cull", serialize_with = "as_milliseconds")]
+    #[serde(rename = "ms_cull", with = "as_milliseconds")]
     pub cull: Duration,
     /// Numbering texels.
-    #[serde(rename = "ms_number", serialize_with = "as_milliseconds")]
+    #[serde(rename = "ms_number", with = "as_milliseconds")]
     pub number: Duration,
     /// Which tiles large triangles touch.
-    #[serde(rename = "ms_bin", serialize_with = "as_milliseconds")]
+    #[serde(rename = "ms_bin", with = "as_milliseconds")]
     pub bin: Duration,
     /// From tiles to maps.
-    #[serde(rename = "ms_rasterise", serialize_with = "as_milliseconds")]
+    #[serde(rename = "ms_rasterise", with = "as_milliseconds")]
     pub rasterise: Duration,
 }
 

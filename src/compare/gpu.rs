@@ -251,6 +251,7 @@ impl Gpu {
         });
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let output = crate::gpu::buffer(device, "compare::values", 4 * receivers.len() as u64, usage);
+        let staging = self.staging(output.size());
         let own_layout = crate::gpu::layout(
             device,
             "compare::evaluate",
@@ -275,7 +276,7 @@ impl Gpu {
             cache: None,
         });
         let own = crate::gpu::bind_group(device, "compare::evaluate", &own_layout, &resources);
-        Evaluator { pipeline, own, output, workgroups: (receivers.len() as u32).div_ceil(64).clamp(1, 65_535) }
+        Evaluator { pipeline, own, output, staging, workgroups: (receivers.len() as u32).div_ceil(64).clamp(1, 65_535) }
     }
 }
 
@@ -285,6 +286,7 @@ pub struct Evaluator {
     pipeline: wgpu::ComputePipeline,
     own: wgpu::BindGroup,
     output: wgpu::Buffer,
+    staging: wgpu::Buffer,
     workgroups: u32,
 }
 
@@ -295,6 +297,19 @@ impl Evaluator {
     /// If the device is lost.
     #[must_use]
     pub fn values(&self, gpu: &Gpu, groups: &[Option<&wgpu::BindGroup>]) -> Vec<f32> {
+        self.with_values(gpu, groups, <[f32]>::to_vec)
+    }
+
+    /// Does something with one value for each receiver, where the device wrote them. The groups are bound from 0 on.
+    ///
+    /// # Panics
+    /// If the device is lost.
+    pub fn with_values<R>(
+        &self,
+        gpu: &Gpu,
+        groups: &[Option<&wgpu::BindGroup>],
+        use_values: impl FnOnce(&[f32]) -> R,
+    ) -> R {
         gpu.submit(|encoder| {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipeline);
@@ -303,8 +318,12 @@ impl Evaluator {
             }
             pass.set_bind_group(EVALUATION_GROUP as u32, &self.own, &[]);
             pass.dispatch_workgroups(self.workgroups, 1, 1);
+            drop(pass);
+            encoder.copy_buffer_to_buffer(&self.output, 0, &self.staging, 0, self.output.size());
         });
-        gpu.read(&self.output)
+        let result = gpu.mapped(&self.staging, |bytes| use_values(bytemuck::cast_slice(bytes)));
+        self.staging.unmap();
+        result
     }
 }
 
@@ -315,6 +334,12 @@ const EVALUATION_GROUP: usize = 3;
 /// each receiver.
 #[must_use]
 pub fn evaluation(expression: &str) -> String {
+    evaluation_over("mat2x3<f32>()", expression)
+}
+
+/// [`evaluation`] with another WGSL expression, over `position` and `normal`, for the `pixel`.
+#[must_use]
+pub fn evaluation_over(pixel: &str, expression: &str) -> String {
     format!(
         "
 @group({EVALUATION_GROUP}) @binding(0) var<storage, read> receivers: array<f32>;
@@ -326,7 +351,7 @@ fn evaluate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         let at = 6u * i;
         let position = vec3<f32>(receivers[at], receivers[at + 1u], receivers[at + 2u]);
         let normal = vec3<f32>(receivers[at + 3u], receivers[at + 4u], receivers[at + 5u]);
-        let pixel = mat2x3<f32>();
+        let pixel = {pixel};
         values[i] = {expression};
     }}
 }}

@@ -1,8 +1,10 @@
 //! What a lookup costs on its own: passes over the whole screen that read recorded positions and normals, as deferred
 //! renderers have them, and ask for the shadow at each pixel.
 
+mod lights;
 mod pass;
 
+pub use lights::{LightsBench, LightsQuestion, LightsTime};
 pub use pass::PassStage;
 
 use std::collections::HashMap;
@@ -86,11 +88,18 @@ impl Question {
 
     /// The method whose map it reads: the first whose lookup it is.
     fn method(self) -> Method {
-        let reads = |lookup| Method::ALL.into_iter().find(|method| method.is_read_by(lookup));
+        let reads = |method: &Method| method.is_read_by(self.lookup());
+        Method::ALL.into_iter().find(reads).unwrap_or(Method::Paraboloid)
+    }
+
+    /// The lookup whose groups it binds.
+    fn lookup(self) -> Lookup {
         match self {
-            Self::Nothing | Self::Point | Self::Texels(_) | Self::Filter(_) => Method::Paraboloid,
-            Self::CubeFilter(_) => Method::Cube,
-            Self::Lookup(lookup) => reads(lookup).unwrap_or(Method::Paraboloid),
+            Self::Nothing | Self::Texels(_) => Lookup::Votes,
+            Self::Point => Lookup::Paraboloid,
+            Self::Filter(_) => Lookup::Filtered,
+            Self::CubeFilter(_) => Lookup::CubeHardware,
+            Self::Lookup(lookup) => lookup,
         }
     }
 
@@ -223,7 +232,7 @@ impl<'a> Screens<'a> {
     pub fn prepare(&mut self, question: Question, stage: PassStage, map: &Baseline) {
         self.passes.entry((question, stage)).or_insert_with(|| {
             let (text, expression) = question.text();
-            ShadePass::new(self.gpu, stage, &map.bind_groups(), &text, &expression)
+            ShadePass::new(self.gpu, stage, &map.bind_groups(question.lookup()), &text, &expression)
         });
     }
 
@@ -237,7 +246,7 @@ impl<'a> Screens<'a> {
         map: &Baseline,
     ) {
         if let Some(pass) = self.passes.get(&(question, stage)) {
-            self.screens[screen].record(encoder, pass, &map.bind_groups());
+            self.screens[screen].record(encoder, pass, &map.bind_groups(question.lookup()));
         }
     }
 

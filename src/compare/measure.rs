@@ -6,7 +6,7 @@ mod pixels;
 mod subject;
 
 pub use judge::{Answers, Judge, Judged};
-pub use pixels::{PixelError, Pixels};
+pub use pixels::{PixelError, PixelErrors, Pixels};
 pub use subject::{LightChoice, PROCEDURAL, SCENES_IN_CODE};
 pub use subject::{choose_camera, choose_light, find_scene, is_made_in_code, select_scenes};
 
@@ -156,9 +156,10 @@ impl Truth {
     }
 
     /// How many of the receivers that count are selected, and how many count.
-    fn count(&self, selected: impl Fn(usize) -> bool) -> (usize, usize) {
-        let counted = (0..self.receivers.len()).filter(|receiver| self.counts[*receiver]);
-        counted.fold((0, 0), |(some, all), receiver| (some + usize::from(selected(receiver)), all + 1))
+    fn count(&self, selected: impl Fn(usize) -> bool + Sync) -> (usize, usize) {
+        let counted = (0..self.receivers.len()).into_par_iter().filter(|receiver| self.counts[*receiver]);
+        let one = counted.map(|receiver| (usize::from(selected(receiver)), 1));
+        one.reduce(|| (0, 0), |(some, all), (more, one)| (some + more, all + one))
     }
 
     /// What a method answers in lit creases; `None` where the receivers are in none.

@@ -186,6 +186,13 @@ impl Reference {
         facing > 0.0 || (facing < 0.0 && self.is_double_sided(triangle))
     }
 
+    /// Whether `from` (relative to the light) is on the front of a triangle. `false` in the triangle's plane.
+    #[must_use]
+    pub fn shows_front(&self, triangle: u32, from: DVec3) -> bool {
+        let corners = &self.triangles[triangle as usize];
+        normal(corners).dot(from - corners[0]) > 0.0
+    }
+
     /// Whether someone may see the light on a triangle: a renderer draws the side that faces the light, and it isn't
     /// hidden inside a closed piece. What [`sample_receivers`](super::error_figures::sample_receivers) draws from.
     #[must_use]

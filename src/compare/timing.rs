@@ -1,12 +1,12 @@
 //! Times of work on the device and of recording it, for several ways at once.
 
 use super::gpu::Gpu;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::time::{Duration, Instant};
 
 /// What the device's times were taken with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clock {
     /// Timestamps that the device wrote before and after the work.
@@ -35,16 +35,16 @@ pub struct Rounds {
 }
 
 /// The middle and the ends of some durations. Written out in milliseconds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
 pub struct Summary {
     /// The middle one; the upper of two.
-    #[serde(rename = "ms_median", serialize_with = "as_milliseconds")]
+    #[serde(rename = "ms_median", with = "as_milliseconds")]
     pub median: Duration,
     /// The shortest.
-    #[serde(rename = "ms_min", serialize_with = "as_milliseconds")]
+    #[serde(rename = "ms_min", with = "as_milliseconds")]
     pub min: Duration,
     /// The longest.
-    #[serde(rename = "ms_max", serialize_with = "as_milliseconds")]
+    #[serde(rename = "ms_max", with = "as_milliseconds")]
     pub max: Duration,
 }
 
@@ -54,8 +54,19 @@ pub fn milliseconds(time: Duration) -> f64 {
     1000.0 * time.as_secs_f64()
 }
 
-pub(super) fn as_milliseconds<S: Serializer>(time: &Duration, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_f64(milliseconds(*time))
+/// Durations written in milliseconds, and read back to the nanosecond.
+pub(super) mod as_milliseconds {
+    use super::{Deserialize, Deserializer, Duration, Serializer, milliseconds};
+    use serde::de::Error;
+
+    pub fn serialize<S: Serializer>(time: &Duration, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_f64(milliseconds(*time))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Duration, D::Error> {
+        let seconds = f64::deserialize(deserializer)? / 1000.0;
+        Duration::try_from_secs_f64(seconds).map_err(D::Error::custom)
+    }
 }
 
 impl Summary {

@@ -99,7 +99,7 @@ impl<'a> Panels<'a> {
             let curves: Vec<Vec<(f64, f64)>> =
                 self.series.iter().map(|series| of_method(costs, series.method)).collect();
             let all: Vec<(f64, f64)> = curves.concat();
-            let x = Axis::logarithmic(all.iter().map(|at| at.0)).with_ticks(&self.figures.resolutions);
+            let x = Axis::logarithmic(all.iter().map(|at| at.0)).with_ticks(&self.figures.conditions.resolutions);
             let axes = (x, Axis::logarithmic(all.iter().map(|at| at.1)));
             let titles = ("texels across a hemisphere; cubes have as many in all", self.figures.time_title());
             let mut chart = start(panel, &title(costs), axes, titles)?;

@@ -10,7 +10,7 @@ use dual_paraboloid::compare::timing::{Summary, milliseconds};
 /// All tables by scene, at the main resolution.
 pub fn tables(figures: &Figures, scenes: &[&SceneCosts], title: &str) -> String {
     let main = figures.main;
-    let headline = Timed::HEADLINE.name(&figures.screens);
+    let headline = Timed::HEADLINE.name(&figures.conditions.screens);
     let tables = [
         (format!("Time at this library's error at R = {main}"), times_at_own_error(scenes, main)),
         (format!("Wrong answers (ppm), equal texels, R = {main}"), wrong_answers(scenes, main)),
@@ -151,7 +151,7 @@ fn maps(costs: &SceneCosts) -> Table {
 fn lookups(figures: &Figures, costs: &SceneCosts) -> Table {
     let mut head: Vec<String> =
         ["map", "equal", "R", "side", "lookup", "wrong", "min", "max"].map(str::to_owned).to_vec();
-    for (width, height) in &figures.screens {
+    for (width, height) in &figures.conditions.screens {
         for stage in ["compute", "fragment"] {
             head.extend([format!("{stage} {width}x{height} ms"), "min".to_owned(), "max".to_owned()]);
         }

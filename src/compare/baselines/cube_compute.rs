@@ -1,5 +1,6 @@
 //! A cube map from this library's rasteriser: what would six faces gain over the pair?
 
+use super::Bound;
 use super::cube_lookup::CubeLookup;
 use super::cube_map::{DepthMapping, FACES, half_width};
 use super::own_maps::OwnMaps;
@@ -17,6 +18,22 @@ const PROJECTION: Projection = Projection {
     ),
 };
 
+/// A cube's faces as this library's stages make them.
+pub(in crate::compare) fn shape(resolution: u32) -> MapShape {
+    MapShape { projection: PROJECTION, resolution, half_width: half_width(resolution) }
+}
+
+/// The text of [`Lookup::CubeWalk`](super::Lookup::CubeWalk), for the groups of [`CubeCompute::walk_groups`] from `group` on and
+/// for lights with an orientation or only without.
+pub(super) fn walk_text(group: u32, turned: bool) -> String {
+    let faces = [
+        include_str!("../../../shaders/compare/cube_face.wgsl"),
+        include_str!("../../../shaders/compare/cube_walk.wgsl"),
+    ];
+    let faces = faces.concat().replace("DP_GROUP", &group.to_string()).replace("CUBE_TURNED", &turned.to_string());
+    [crate::wgsl::lookup_without_maps(group, group + 1), faces].concat()
+}
+
 /// The complete modules.
 pub(super) fn modules() -> impl Iterator<Item = (String, String)> {
     crate::wgsl::maps(PROJECTION).into_iter().map(|(name, text)| (format!("cube_compute_{name}"), text))
@@ -25,8 +42,11 @@ pub(super) fn modules() -> impl Iterator<Item = (String, String)> {
 /// The library's cull, bin and rasterise stages on the six faces of a cube along the light's axes. A texel holds depth and the
 /// triangle's number, eight bytes, as the pair's do. Always all directions, whatever the light's coverage.
 ///
-/// The faces are layers of floats, which the hardware can't compare with a reference: votes alone read them, by
-/// [`Lookup::CubePlane`](super::Lookup::CubePlane). Copying them into a depth texture for its sake would cost a rival a pass.
+/// The faces are layers of floats, which the hardware can't compare with a reference: [`Lookup::CubeWalk`] and
+/// [`Lookup::CubePlane`] read them. Copying them into a depth texture for its sake would cost a rival a pass.
+///
+/// [`Lookup::CubeWalk`]: super::Lookup::CubeWalk
+/// [`Lookup::CubePlane`]: super::Lookup::CubePlane
 #[derive(Debug)]
 pub struct CubeCompute {
     maps: OwnMaps,
@@ -47,8 +67,7 @@ impl CubeCompute {
     /// # Errors
     /// As [`PointShadows::new`].
     pub fn tuned(device: &wgpu::Device, resolution: u32, tuning: &Tuning) -> Result<Self, Error> {
-        let shape = MapShape { projection: PROJECTION, resolution, half_width: half_width(resolution) };
-        let maps = OwnMaps::shaped(device, shape, tuning)?;
+        let maps = OwnMaps::shaped(device, shape(resolution), tuning)?;
         Ok(Self { lookup: CubeLookup::new(device, maps.shadows().maps()), maps })
     }
 
@@ -88,6 +107,11 @@ impl CubeCompute {
 
     pub(super) fn maps_mut(&mut self) -> &mut OwnMaps {
         &mut self.maps
+    }
+
+    /// The maps and the casters, as [`Lookup::CubeWalk`](super::Lookup::CubeWalk) reads them.
+    pub(super) fn walk_groups(&self) -> [Bound<'_>; 2] {
+        self.maps.bind_groups()
     }
 
     pub(super) fn lookup(&self) -> &CubeLookup {

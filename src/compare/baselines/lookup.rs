@@ -1,12 +1,12 @@
 //! The lookups of all methods as text for a shader, and their biases.
 
-use super::{cube_lookup, vertex_warp};
-use serde::Serialize;
+use super::{cube_compute, cube_lookup, vertex_warp};
+use serde::{Deserialize, Serialize};
 use std::f32::consts::SQRT_2;
 use std::fmt;
 
 /// A shadow lookup in WGSL.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Lookup {
     /// `dp_shadow`: four texels, and where they disagree, the triangles that they show.
@@ -26,8 +26,11 @@ pub enum Lookup {
     /// [`Self::CubeHardware`] with the bias that bevy 0.20 ships for its point lights: `shadow_depth_bias` of 0.08
     /// world units toward the light, `shadow_normal_bias` of 0.6 diagonals of a texel. Bevy's wider filter is left out.
     CubeShipped,
-    /// In a cube: four texels, each compared with the receiver's plane and voting as in `dp_shadow`.
+    /// In a cube: four texels, each compared with the receiver's plane and voting as [`Self::Votes`] do.
     CubePlane,
+    /// [`Self::Paraboloid`] in a cube of this library's own making: four texels, and where they disagree, the same walks
+    /// over the triangles that they show.
+    CubeWalk,
 }
 
 impl Lookup {
@@ -43,6 +46,7 @@ impl Lookup {
             Self::CubeHardware => "cube-hardware",
             Self::CubeShipped => "cube-shipped",
             Self::CubePlane => "cube-plane",
+            Self::CubeWalk => "cube-walk",
         }
     }
 
@@ -54,6 +58,7 @@ impl Lookup {
             Self::Votes => crate::wgsl::lookup_votes(group),
             Self::VertexWarp | Self::VertexWarpShipped => vertex_warp::lookup_text(group),
             Self::CubeHardware | Self::CubeShipped | Self::CubePlane => cube_lookup::text(group, true),
+            Self::CubeWalk => cube_compute::walk_text(group, true),
         }
     }
 
@@ -63,6 +68,7 @@ impl Lookup {
     pub fn text_unturned(self, group: u32) -> String {
         match self {
             Self::CubeHardware | Self::CubeShipped | Self::CubePlane => cube_lookup::text(group, false),
+            Self::CubeWalk => cube_compute::walk_text(group, false),
             _ => self.text(group),
         }
     }
@@ -79,7 +85,14 @@ impl Lookup {
             Self::CubeHardware => "cube_shadow_hardware(position, normal)",
             Self::CubeShipped => "cube_shadow_shipped(position, normal)",
             Self::CubePlane => "cube_shadow_plane(position, normal)",
+            Self::CubeWalk => "cube_shadow_walk(0u, position, normal, pixel)",
         }
+    }
+
+    /// Whether the answer is one over the pixel, and not that at its middle.
+    #[must_use]
+    pub fn takes_pixel(self) -> bool {
+        matches!(self, Self::Paraboloid | Self::Filtered | Self::CubeWalk)
     }
 
     /// The bias that the lookup has until [`Baseline::set_bias`](super::Baseline::set_bias) gives it another; `None`
@@ -91,13 +104,18 @@ impl Lookup {
             Self::VertexWarp => Some(Bias { depth: 0.08, ..Bias::default() }),
             Self::CubeHardware => Some(Bias { depth: 0.08, normal: 0.6 * SQRT_2, ..Bias::default() }),
             Self::CubePlane => Some(Bias { ray: 0.05, ..Bias::default() }),
-            Self::Paraboloid | Self::Votes | Self::Filtered | Self::VertexWarpShipped | Self::CubeShipped => None,
+            Self::Paraboloid
+            | Self::Votes
+            | Self::Filtered
+            | Self::VertexWarpShipped
+            | Self::CubeShipped
+            | Self::CubeWalk => None,
         }
     }
 }
 
 /// How much nearer to the light a receiver counts than it is. Too little shows as acne, too much as peter-panning.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize, Serialize)]
 pub struct Bias {
     /// Toward the light, in world units, the same at every distance. [`Lookup::VertexWarp`] and
     /// [`Lookup::CubeHardware`] alone.

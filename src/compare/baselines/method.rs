@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use super::{CubeMultiview, Lookup};
 use crate::compare::gpu::Gpu;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub(super) const NO_MULTIVIEW: &str =
     "it needs a device with multiview over six layers, requested with wgpu::Features::MULTIVIEW";
@@ -13,7 +13,7 @@ const WRONG_MULTIVIEW: &str =
     "software drivers draw to the wrong face what they clip in a multiview pass (seen with Mesa 22.3)";
 
 /// A way to make a point light's shadow map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// This library.
@@ -38,7 +38,7 @@ pub enum Method {
 }
 
 /// What is kept equal when maps of different shape are compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Budget {
     /// Texels across: a cube's face is as wide as one of the pair's maps.
@@ -151,7 +151,7 @@ impl Method {
             Self::Paraboloid => &[Lookup::Paraboloid, Lookup::Votes],
             Self::VertexWarp => &[Lookup::VertexWarp, Lookup::VertexWarpShipped],
             Self::Cube16 => &[Lookup::CubeHardware, Lookup::CubeShipped],
-            Self::CubeCompute => &[Lookup::CubePlane],
+            Self::CubeCompute => &[Lookup::CubeWalk, Lookup::CubePlane],
             Self::DepthView => &[],
             _ => &[Lookup::CubeHardware, Lookup::CubePlane, Lookup::CubeShipped],
         }

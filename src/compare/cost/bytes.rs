@@ -1,11 +1,11 @@
 //! What a method takes on the GPU, by what it is for.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::super::baselines::{Baseline, DeviceScene};
 
 /// Bytes on the GPU, in three parts that grow with different things.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Bytes {
     /// Of each light: its map and what the lookup reads beside it.
     pub per_light: u64,
@@ -16,7 +16,7 @@ pub struct Bytes {
 }
 
 /// For how many lights one method takes no more bytes than another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BreakEven {
     /// From one light on.

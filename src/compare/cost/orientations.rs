@@ -40,25 +40,29 @@ impl TurnedErrors {
     }
 }
 
-/// Asks a lookup in maps of all `orientations`, of which the first is that of the judge's light. `None` for a lookup that
-/// doesn't read the map.
+/// Asks all of a method's lookups in maps of all `orientations`, of which the first is that of the judge's light.
 ///
 /// # Errors
 /// [`Error::InvalidLight`].
 pub fn turned_errors(
     judge: &mut Judge,
     baseline: &mut Baseline,
-    lookup: Lookup,
     scene: &mut DeviceScene,
     orientations: &[Quat],
-) -> Result<Option<TurnedErrors>, Error> {
-    let Some(answers) = judge.answers(baseline, lookup, scene)? else { return Ok(None) };
-    let mut wrong_ppm = vec![judge.truth().wrong_ppm(&answers.values)];
-    for &orientation in orientations.iter().skip(1) {
-        let values = judge.answers_turned(baseline, lookup, scene, orientation)?;
-        wrong_ppm.extend(values.map(|values| judge.truth().wrong_ppm(&values)));
+) -> Result<Vec<(Lookup, TurnedErrors)>, Error> {
+    let lookups = baseline.method().lookups();
+    let biases = judge.fit(baseline, lookups, scene)?;
+    let without = |(&lookup, bias)| (lookup, TurnedErrors { wrong_ppm: Vec::new(), bias });
+    let mut all: Vec<(Lookup, TurnedErrors)> = lookups.iter().zip(biases).map(without).collect();
+    for (number, &orientation) in orientations.iter().enumerate() {
+        if number > 0 {
+            judge.record(baseline, scene, orientation)?;
+        }
+        for (lookup, errors) in &mut all {
+            errors.wrong_ppm.extend(judge.wrong_ppm(baseline, *lookup));
+        }
     }
-    Ok(Some(TurnedErrors { wrong_ppm, bias: answers.bias }))
+    Ok(all)
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! All figures of one scene, and this library held against another method in it.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::{BreakEven, Bytes, Cost, Curve, ErrorPair, Point, Ratio, Reading, Rule, Timed, shown_error};
+use super::{BreakEven, Bytes, Cost, Curve, ErrorPair, OwnErrors, Point, Ratio, Reading, Rule, Timed, shown_error};
 use crate::compare::baselines::{Budget, Lookup, Method};
 
 /// Where a scene comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Origin {
     /// A file: a real scene.
@@ -25,7 +25,7 @@ impl Origin {
 }
 
 /// A method with one of its lookups.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 pub struct Contestant {
     /// What makes the map.
     pub method: Method,
@@ -49,7 +49,7 @@ impl Contestant {
 }
 
 /// All figures of one scene under one rule.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 pub struct SceneCosts {
     /// The scene's name.
     pub scene: String,
@@ -61,6 +61,9 @@ pub struct SceneCosts {
     pub rule: Rule,
     /// Of all methods and resolutions.
     pub costs: Vec<Cost>,
+    /// This library's errors by all definitions, at the resolutions where they were looked into; none under
+    /// [`Rule::Culled`].
+    pub own: Vec<OwnErrors>,
     /// What the device can't do, each with the reason.
     pub left_out: Vec<String>,
 }
@@ -136,12 +139,27 @@ impl SceneCosts {
         Some(Ratio::over(own.time(Contestant::OWN.lookup, timed)?, reading))
     }
 
+    /// This library's bytes for each light at one size over the other's for the error that it has there.
+    #[must_use]
+    pub fn bytes_at_own_error(&self, other: Contestant, pair: u32) -> Option<Ratio> {
+        let own = self.find(Method::Paraboloid, Budget::EqualTexels, pair)?;
+        let reading = Curve::new(&self.byte_points(other)).cost_at(error(own, Contestant::OWN.lookup)?)?;
+        Some(Ratio::over(own.bytes.per_light as f64, reading))
+    }
+
     /// Both errors at equal texels.
     #[must_use]
     pub fn errors_at_equal_texels(&self, other: Contestant, pair: u32) -> Option<ErrorPair> {
-        let wrong =
-            |of: Contestant| self.find(of.method, Budget::EqualTexels, pair).and_then(|cost| cost.wrong_ppm(of.lookup));
-        Some(self.error_pair(wrong(Contestant::OWN)?, wrong(other)?))
+        self.errors_at_texels(pair, other, pair)
+    }
+
+    /// The error of this library's map of `own` texels across, and another's at the texels of a pair of `pair`.
+    #[must_use]
+    pub fn errors_at_texels(&self, own: u32, other: Contestant, pair: u32) -> Option<ErrorPair> {
+        let wrong = |of: Contestant, pair| {
+            self.find(of.method, Budget::EqualTexels, pair).and_then(|cost| cost.wrong_ppm(of.lookup))
+        };
+        Some(self.error_pair(wrong(Contestant::OWN, own)?, wrong(other, pair)?))
     }
 
     /// Both errors where a light takes as many bytes. `None` where the other's curve has no map of so many.
@@ -235,6 +253,7 @@ mod tests {
             triangles: 1,
             rule: Rule::DoubleSided,
             costs,
+            own: Vec::new(),
             left_out: Vec::new(),
         }
     }
@@ -272,6 +291,9 @@ mod tests {
         let Some(Ratio::Exact(half)) = costs.at_own_error(CUBE, Timed::HEADLINE, 64) else { panic!("a bound") };
         assert_relative_eq!(half, 1.0, max_relative = 1e-9);
         assert_eq!(costs.at_own_error(CUBE, Timed::Map, 256), None);
+        // The same error takes 10 bytes, and 40 to 10 halfway.
+        let Some(Ratio::Exact(bytes)) = costs.bytes_at_own_error(CUBE, 64) else { panic!("a bound") };
+        assert_relative_eq!(bytes, 0.5, max_relative = 1e-9);
         // A cube that is never right enough, and one that always is.
         let rough = scene("a", vec![costs.costs[2].clone(), cost(Method::Cube, 128, 9, 40, 500.0)]);
         assert_eq!(rough.at_own_error(CUBE, Timed::HEADLINE, 128), Some(Ratio::AtMost(0.5)));
@@ -299,6 +321,8 @@ mod tests {
     #[test]
     fn errors_at_equal_texels_and_bytes() {
         let mut costs = two_methods();
+        let apart = costs.errors_at_texels(64, CUBE, 128).unwrap();
+        assert_eq!((apart.own_ppm, apart.other_ppm), (400.0, 100.0));
         let pair = costs.errors_at_equal_texels(CUBE, 64).unwrap();
         assert_eq!((pair.own_ppm, pair.other_ppm, pair.family.as_str()), (400.0, 1600.0, "a"));
         // Of 20 bytes a cube is halfway, in logarithms, between 10 and 40: 400 ppm.

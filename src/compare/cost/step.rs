@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use glam::Quat;
 
-use super::{Bytes, Cost, LookupCost, ScreenTime, Stages, turned_errors};
-use crate::compare::baselines::{Baseline, Budget, DeviceScene, Method};
+use super::{Bytes, Cost, LookupCost, ScreenTime, Stages, TurnedErrors, turned_errors};
+use crate::compare::baselines::{Baseline, Budget, DeviceScene, Lookup, Method};
 use crate::compare::gpu::Gpu;
 use crate::compare::lookup_cost::{PassStage, Question, Screens};
 use crate::compare::measure::Judge;
@@ -128,19 +128,17 @@ impl Subject<'_, '_> {
 
     /// Errors of all lookups in one method's map, over all orientations.
     fn lookups(&mut self, baseline: &mut Baseline) -> Result<Vec<LookupCost>, Error> {
-        let mut costs = Vec::new();
-        for &lookup in baseline.method().lookups() {
-            let errors = turned_errors(&mut self.judge, baseline, lookup, &mut self.casters, &self.orientations)?;
-            costs.extend(errors.map(|errors| LookupCost {
-                lookup,
-                wrong_ppm: errors.mean(),
-                wrong_ppm_by_orientation: errors.wrong_ppm,
-                samples: self.judge.truth().counted(),
-                bias: errors.bias,
-                screens: Vec::new(),
-            }));
-        }
-        Ok(costs)
+        let all = turned_errors(&mut self.judge, baseline, &mut self.casters, &self.orientations)?;
+        let samples = self.judge.truth().counted();
+        let cost = |(lookup, errors): (Lookup, TurnedErrors)| LookupCost {
+            lookup,
+            wrong_ppm: errors.mean(),
+            wrong_ppm_by_orientation: errors.wrong_ppm,
+            samples,
+            bias: errors.bias,
+            screens: Vec::new(),
+        };
+        Ok(all.into_iter().map(cost).collect())
     }
 
     /// Times of all ways to make maps, and in how many runs.

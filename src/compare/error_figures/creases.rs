@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::shadow_error::{PUBLISHED_PAIR, near_boundary};
 use super::{Receiver, per_million, quantile};
@@ -33,7 +33,7 @@ const HALVINGS: usize = 24;
 const TOUCHING: f64 = 1e-3;
 
 /// What is answered in lit creases, where 1 is right.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct CreaseError {
     /// Number of receivers in creases.
     pub samples: usize,

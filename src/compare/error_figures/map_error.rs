@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{per_million, quantile};
 use crate::compare::ideal::{IdealMap, MapGeometry, NO_TRIANGLE};
@@ -31,7 +31,7 @@ const SILHOUETTE_SPOKES: usize = 48;
 /// Judged are the texels whose centre lies in a disc, guard band included, at least a texel inside the rim of the guard
 /// band. A texel in whose direction the nearest caster is beyond the light's range isn't judged, since the map may
 /// leave that caster out, unless it holds a depth within the range.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct MapError {
     /// Number of texels judged.
     pub texels: usize,
@@ -51,7 +51,6 @@ pub struct MapError {
     /// Wrong surfaces, holes and phantoms farther than one texel from every silhouette: from every place where the
     /// true surface steps by more than a fortieth of a texel footprint between rays an eighth of a texel apart, or a 1024th
     /// of a texel close by. Silhouettes are looked for by rays, which can miss a thin one, so this is never too low.
-    #[serde(skip)]
     pub strays: usize,
     /// Largest distance from a wrong surface, hole or phantom to a silhouette, in texels; infinite when one is 2
     /// texels or more from any.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::per_million;
 use super::receivers::Receiver;
@@ -32,7 +32,7 @@ const RINGS: usize = 12;
 const RAYS_OF_FIRST_RING: usize = 8;
 
 /// Figures about the answers at a set of receivers. An answer of 0.5 or more means lit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct ShadowError {
     /// Number of receivers that count ([`Receiver::counts`]).
     pub samples: usize,
@@ -49,6 +49,10 @@ pub struct ShadowError {
     pub false_shadow_ppm: f64,
     /// Wrong, and farther than [`FAR_TEXELS`] from every true shadow boundary ([`near_boundary`]).
     pub far_wrong_ppm: f64,
+    /// Share of the samples on backs of double-sided triangles, from 0 to 1.
+    pub back_fraction: f64,
+    /// Wrong answers on fronts, in parts per million of the samples there.
+    pub wrong_front_ppm: f64,
 }
 
 /// The figures of a method with the floor at its resolution beside them.
@@ -81,6 +85,9 @@ pub fn shadow_error(
     let far = wrong.par_iter().filter(is_far).count();
     let samples = counted.len();
     let lit = counted.iter().filter(|&&i| truth[i]).count();
+    let is_front = |&&i: &&usize| reference.shows_front(receivers[i].triangle, DVec3::ZERO);
+    let fronts = counted.iter().filter(is_front).count();
+    let wrong_fronts = wrong.iter().filter(is_front).count();
     ShadowError {
         samples,
         lit_fraction: lit as f64 / samples.max(1) as f64,
@@ -89,6 +96,8 @@ pub fn shadow_error(
         leak_ppm: per_million(leaks, samples),
         false_shadow_ppm: per_million(wrong.len() - leaks, samples),
         far_wrong_ppm: per_million(far, samples),
+        back_fraction: (samples - fronts) as f64 / samples.max(1) as f64,
+        wrong_front_ppm: per_million(wrong_fronts, fronts),
     }
 }
 

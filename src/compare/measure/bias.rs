@@ -6,7 +6,12 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use crate::compare::baselines::{Bias, Lookup};
+
+/// Answers that a thread scores at a time.
+const CHUNK: usize = 1 << 14;
 
 /// Places of the finest grid to a step of the first one: halved twice.
 const FINEST: u32 = 4;
@@ -63,9 +68,7 @@ impl Grid {
                 unit: 1.0,
                 bias: |ray, normal| Bias { ray, normal, ..Bias::default() },
             }),
-            Lookup::Paraboloid | Lookup::Votes | Lookup::Filtered | Lookup::VertexWarpShipped | Lookup::CubeShipped => {
-                None
-            }
+            _ => None,
         }
     }
 
@@ -88,7 +91,7 @@ impl Grid {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Score {
     /// Answers on the wrong side of a half.
-    wrong: usize,
+    pub(super) wrong: usize,
     /// Sum of how far answers are from 0 (dark) or 1 (lit).
     off: f64,
 }
@@ -97,12 +100,24 @@ impl Score {
     /// Of no answers.
     pub(super) const WORST: Self = Self { wrong: usize::MAX, off: f64::INFINITY };
 
-    /// Of answers where the light reaches or not.
-    pub(super) fn new(values: &[f32], lit: impl Iterator<Item = bool>) -> Self {
-        values.iter().zip(lit).fold(Self { wrong: 0, off: 0.0 }, |sum, (&value, lit)| Self {
-            wrong: sum.wrong + usize::from((value >= 0.5) != lit),
-            off: sum.off + f64::from((value - f32::from(u8::from(lit))).abs()),
-        })
+    /// Of answers where the light reaches or not; `None` where an answer doesn't count.
+    pub(super) fn new(values: &[f32], lit: &[Option<bool>]) -> Self {
+        let parts = values.par_chunks(CHUNK).zip(lit.par_chunks(CHUNK)).map(|(values, lit)| Self::of_part(values, lit));
+        // In their order, so that the sum is the same every time.
+        parts.collect::<Vec<_>>().into_iter().fold(Self { wrong: 0, off: 0.0 }, Self::plus)
+    }
+
+    fn of_part(values: &[f32], lit: &[Option<bool>]) -> Self {
+        let counted = values.iter().zip(lit).filter_map(|(value, lit)| Some((*value, (*lit)?)));
+        let scores = counted.map(|(value, lit)| Self {
+            wrong: usize::from((value >= 0.5) != lit),
+            off: f64::from((value - f32::from(u8::from(lit))).abs()),
+        });
+        scores.fold(Self { wrong: 0, off: 0.0 }, Self::plus)
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self { wrong: self.wrong + other.wrong, off: self.off + other.off }
     }
 
     pub(super) fn compare(&self, other: &Self) -> Ordering {
@@ -236,8 +251,11 @@ mod tests {
 
     #[test]
     fn scores_by_hand() {
-        let score = Score::new(&[1.0, 0.75, 0.25, 0.5], [true, true, true, false].into_iter());
+        let lit = [Some(true), Some(true), None, Some(true), Some(false)];
+        let score = Score::new(&[1.0, 0.75, 0.0, 0.25, 0.5], &lit);
         assert_eq!(score, Score { wrong: 2, off: 0.0 + 0.25 + 0.75 + 0.5 });
+        let many = Score::new(&[0.25; 3 * CHUNK + 1], &[Some(true); 3 * CHUNK + 1]);
+        assert_eq!(many, Score { wrong: 3 * CHUNK + 1, off: 0.75 * (3 * CHUNK + 1) as f64 }, "over several threads");
         let fewer = Score { wrong: 1, off: 9.0 };
         let nearer = Score { wrong: 2, off: 1.0 };
         assert_eq!([fewer.compare(&score), nearer.compare(&score)], [Ordering::Less; 2]);

@@ -4,12 +4,13 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use glam::{Quat, Vec3};
+use rayon::prelude::*;
 
 use super::Truth;
 use super::bias::{Grid, Score};
 use crate::compare::baselines::{Baseline, Bias, DeviceScene, Lookup, Method};
 use crate::compare::error_figures::{
-    FilterError, MapError, ShadowError, distance_to_triangle, filter_error, map_error,
+    FilterError, MapError, ShadowError, distance_to_triangle, filter_error, map_error, per_million,
 };
 use crate::compare::gpu::{Evaluator, Gpu};
 use crate::compare::ideal::{IdealMap, MapGeometry};
@@ -51,6 +52,8 @@ pub struct Judge<'a> {
     light: PointLight,
     truth: &'a Truth,
     inputs: Vec<(Vec3, Vec3)>,
+    /// Whether the light reaches those that count, of all and of the sample.
+    expected: [Vec<Option<bool>>; 2],
     /// Those that were needed so far: all maps that a lookup reads are bound alike.
     evaluators: HashMap<(Lookup, Asked), Evaluator>,
     /// Those that were found so far, by the method whose map is the same and the map's width.
@@ -69,7 +72,11 @@ impl<'a> Judge<'a> {
     /// For maps of the light that the truth is of.
     #[must_use]
     pub fn new(gpu: &'a Gpu, light: PointLight, truth: &'a Truth) -> Self {
-        Self { gpu, light, truth, inputs: truth.inputs(), evaluators: HashMap::new(), biases: HashMap::new() }
+        let all: Vec<Option<bool>> =
+            truth.counts().iter().zip(&truth.lit).map(|(of, lit)| of.then_some(*lit)).collect();
+        let sample = all.iter().copied().step_by(Asked::Sample.step(all.len())).collect();
+        let (inputs, expected) = (truth.inputs(), [all, sample]);
+        Self { gpu, light, truth, inputs, expected, evaluators: HashMap::new(), biases: HashMap::new() }
     }
 
     /// The device.
@@ -136,42 +143,52 @@ impl<'a> Judge<'a> {
         if !baseline.method().is_read_by(lookup) {
             return Ok(None);
         }
-        if baseline.method() == Method::Cube16 {
-            baseline.set_nearest(self.nearest_surface());
-        }
-        self.record(baseline, scene)?;
-        let bias = self.find_bias(baseline, lookup);
-        Ok(self.ask(baseline, lookup, Asked::All).map(|values| Answers { values, bias }))
+        let bias = self.fit(baseline, &[lookup], scene)?[0];
+        Ok(self.ask(baseline, lookup, Asked::All, <[f32]>::to_vec).map(|values| Answers { values, bias }))
     }
 
-    /// [`Self::answers`] with the maps turned to another orientation, with the bias that the
-    /// baseline has since. `None` for a lookup that doesn't read the map.
+    /// Records a method's map, and gives lookups that read it their best bias: those that [`Self::answers`] finds.
     ///
     /// # Errors
     /// [`Error::InvalidLight`].
-    pub fn answers_turned(
+    pub fn fit(
         &mut self,
         baseline: &mut Baseline,
-        lookup: Lookup,
+        lookups: &[Lookup],
         scene: &mut DeviceScene,
-        orientation: Quat,
-    ) -> Result<Option<Vec<f32>>, Error> {
-        if !baseline.method().is_read_by(lookup) {
-            return Ok(None);
+    ) -> Result<Vec<Option<Bias>>, Error> {
+        if baseline.method() == Method::Cube16 {
+            baseline.set_nearest(self.nearest_surface());
         }
-        let turned = PointLight { orientation, ..self.light };
-        let Gpu { device, queue, .. } = self.gpu;
-        self.gpu.submit(|encoder| baseline.record(device, queue, encoder, scene, &turned))?;
-        Ok(self.ask(baseline, lookup, Asked::All))
+        self.record(baseline, scene, self.light.orientation)?;
+        Ok(lookups.iter().map(|&lookup| self.find_bias(baseline, lookup)).collect())
     }
 
-    fn record(&self, baseline: &mut Baseline, scene: &mut DeviceScene) -> Result<(), Error> {
+    /// Records a method's map in another orientation than the light's; the bias of its lookups stays as it is.
+    ///
+    /// # Errors
+    /// [`Error::InvalidLight`].
+    pub fn record(&self, baseline: &mut Baseline, scene: &mut DeviceScene, orientation: Quat) -> Result<(), Error> {
+        let light = PointLight { orientation, ..self.light };
         let Gpu { device, queue, .. } = self.gpu;
-        self.gpu.submit(|encoder| baseline.record(device, queue, encoder, scene, &self.light))
+        self.gpu.submit(|encoder| baseline.record(device, queue, encoder, scene, &light))
     }
 
-    /// What a lookup answers in a map as it is.
-    fn ask(&mut self, baseline: &Baseline, lookup: Lookup, asked: Asked) -> Option<Vec<f32>> {
+    /// Wrong answers of a lookup in a map as it is, as [`Truth::wrong_ppm`] has them. `None` for a lookup that doesn't
+    /// read the map.
+    pub fn wrong_ppm(&mut self, baseline: &Baseline, lookup: Lookup) -> Option<f64> {
+        let score = self.score(baseline, lookup, Asked::All)?;
+        Some(per_million(score.wrong, self.truth.counted()))
+    }
+
+    /// Does something with what a lookup answers in a map as it is.
+    fn ask<R>(
+        &mut self,
+        baseline: &Baseline,
+        lookup: Lookup,
+        asked: Asked,
+        use_answers: impl FnOnce(&[f32]) -> R,
+    ) -> Option<R> {
         let evaluator = match self.evaluators.entry((lookup, asked)) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(place) => {
@@ -180,18 +197,25 @@ impl<'a> Judge<'a> {
                 place.insert(baseline.evaluator(self.gpu, lookup, &inputs)?)
             }
         };
-        baseline.answers(self.gpu, evaluator)
+        baseline.with_answers(self.gpu, lookup, evaluator, use_answers)
     }
 
-    /// How wrong a lookup is with a bias.
-    fn score(&mut self, baseline: &mut Baseline, lookup: Lookup, bias: Bias, asked: Asked) -> Option<Score> {
+    /// How wrong a lookup is in a map as it is.
+    fn score(&mut self, baseline: &Baseline, lookup: Lookup, asked: Asked) -> Option<Score> {
+        let expected = std::mem::take(&mut self.expected);
+        let of_asked = match asked {
+            Asked::All => &expected[0],
+            Asked::Sample => &expected[1],
+        };
+        let score = self.ask(baseline, lookup, asked, |values| Score::new(values, of_asked));
+        self.expected = expected;
+        score
+    }
+
+    /// How wrong a lookup is with a bias; the worst without any answer.
+    fn score_of(&mut self, baseline: &mut Baseline, lookup: Lookup, bias: Bias, asked: Asked) -> Score {
         baseline.set_bias(&self.gpu.queue, lookup, bias);
-        let values = self.ask(baseline, lookup, asked)?;
-        let truth = self.truth;
-        let asked = truth.counts().iter().zip(&truth.lit).step_by(asked.step(self.inputs.len()));
-        let counted = asked.zip(values).filter(|((counts, _), _)| **counts);
-        let (values, lit): (Vec<f32>, Vec<bool>) = counted.map(|((_, lit), value)| (value, *lit)).unzip();
-        Some(Score::new(&values, lit.into_iter()))
+        self.score(baseline, lookup, asked).unwrap_or(Score::WORST)
     }
 
     /// Sets and returns the best bias of a lookup in a recorded map; `None` for lookups whose bias is fixed.
@@ -209,20 +233,18 @@ impl<'a> Judge<'a> {
     }
 
     fn search(&mut self, baseline: &mut Baseline, lookup: Lookup, grid: &Grid) -> Bias {
-        let worst = Score::WORST;
-        let mut found = grid.search(|bias| self.score(baseline, lookup, bias, Asked::Sample).unwrap_or(worst));
+        let mut found = grid.search(|bias| self.score_of(baseline, lookup, bias, Asked::Sample));
         found.truncate(FINALISTS);
         found.extend(lookup.default_bias());
-        let scored =
-            found.into_iter().map(|bias| (bias, self.score(baseline, lookup, bias, Asked::All).unwrap_or(worst)));
+        let scored = found.into_iter().map(|bias| (bias, self.score_of(baseline, lookup, bias, Asked::All)));
         scored.min_by(|a, b| a.1.compare(&b.1)).map_or_else(Bias::default, |(bias, _)| bias)
     }
 
     /// Distance from the light to the nearest surface, in world units.
     fn nearest_surface(&self) -> f32 {
-        let distances = self.truth.reference.triangles().iter().map(distance_to_triangle);
+        let distances = self.truth.reference.triangles().par_iter().map(distance_to_triangle);
         // NaN, of triangles of no area, is passed over.
-        distances.fold(f64::from(self.light.range), f64::min) as f32
+        distances.reduce(|| f64::from(self.light.range), f64::min) as f32
     }
 }
 

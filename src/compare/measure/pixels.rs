@@ -6,10 +6,12 @@ use glam::{DVec2, Vec3};
 use rand::Rng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Truth, reference};
+use crate::compare::baselines::{Baseline, Lookup};
 use crate::compare::error_figures::{Receiver, is_lit, per_million};
+use crate::compare::gpu::Gpu;
 use crate::compare::reference::{Reference, Sides, View};
 use crate::compare::scene::{Camera, Scene};
 use crate::compare::shot::{Rays, Shot};
@@ -17,22 +19,31 @@ use crate::compare::shot::{Rays, Shot};
 /// Points of a pixel along each of its sides: as many strata, with a random point in each.
 const POINTS: usize = 4;
 
+/// A lookup's errors at a camera's pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+pub struct PixelErrors {
+    /// Asked over each pixel, as renderers do, where the lookup [takes that](Lookup::takes_pixel).
+    pub pixels: PixelError,
+    /// Asked at the pixels' middles alone.
+    pub points: PixelError,
+}
+
 /// Figures about the answers at a camera's pixels. An answer of 0.5 or more means lit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct PixelError {
     /// Number of pixels that count: what they show faces the light and is within its reach.
     pub pixels: usize,
-    /// Wrong decisions at the pixels' middles, in parts per million of the pixels that count.
+    /// Wrong decisions by the truth at the pixels' middles, in parts per million of the pixels that count.
     pub wrong_ppm: f64,
-    /// Mean absolute difference between the answer at a pixel's middle and the share of the pixel that is lit.
+    /// Mean absolute difference between the answer of a pixel and the share of the pixel that is lit.
     pub value_error: f64,
-    /// Mean absolute difference between the answer at a pixel's middle and the truth there, 0 or 1.
+    /// Mean absolute difference between the answer of a pixel and the truth at its middle, 0 or 1.
     pub value_error_point: f64,
 }
 
 /// The truth at a camera's pixels.
 ///
-/// The answer at a pixel's middle stands for the pixel, so it is held against the mean over the pixel: of 16 stratified
+/// A pixel's answer stands for the whole pixel, so it is held against the mean over the pixel: of 16 stratified
 /// rays of the camera, those that meet a surface which faces the light and is no farther from the plane of what is
 /// seen in the middle than a pixel is wide there. So past the outline of an object another one doesn't count, and the
 /// facets of a curved surface do. The same pixels have the same rays every time.
@@ -41,6 +52,9 @@ pub struct Pixels {
     receivers: Vec<Receiver>,
     lit: Vec<bool>,
     shares: Vec<f32>,
+    eye: Vec3,
+    /// Of a pixel in the middle, in radians.
+    angle: f32,
 }
 
 impl Pixels {
@@ -53,18 +67,35 @@ impl Pixels {
             // What shows the light its back casts nothing, but the camera sees it.
             Sides::Front => Arc::new(reference(scene, view.position, Sides::Both)),
         };
-        let mut seen = Shot::of(&all, camera, width, height).seen;
+        let Shot { mut seen, eye, pixel_angle, .. } = Shot::of(&all, camera, width, height);
         seen.retain(|(_, receiver)| faces_light(receiver, view));
         let look = Look { rays: Rays::new(camera, width, height), all: &all, casters: &truth.reference, view };
         let lit: Vec<bool> = seen.par_iter().map(|(_, receiver)| is_lit(receiver, &truth.reference, view)).collect();
         let shares = seen.par_iter().zip(&lit).map(|((pixel, middle), lit)| look.lit_share(*pixel, middle, *lit));
-        Self { shares: shares.collect(), receivers: seen.into_iter().map(|(_, receiver)| receiver).collect(), lit }
+        let (shares, receivers) = (shares.collect(), seen.into_iter().map(|(_, receiver)| receiver).collect());
+        Self { receivers, lit, shares, eye: eye.as_vec3(), angle: pixel_angle as f32 }
     }
 
     /// Positions and normals in the pixels' middles, as a shader takes them. May be none.
     #[must_use]
     pub fn inputs(&self) -> Vec<(Vec3, Vec3)> {
         self.receivers.iter().map(|receiver| (receiver.position, receiver.normal)).collect()
+    }
+
+    /// The errors of a lookup in a recorded map; `None` if no pixel counts, or for a lookup that doesn't read the map.
+    #[must_use]
+    pub fn errors(&self, gpu: &Gpu, baseline: &Baseline, lookup: Lookup) -> Option<PixelErrors> {
+        let inputs = self.inputs();
+        // A buffer can't be empty.
+        if inputs.is_empty() {
+            return None;
+        }
+        let points = self.judge(&baseline.shadow_values(gpu, lookup, &inputs)?)?;
+        if !lookup.takes_pixel() {
+            return Some(PixelErrors { pixels: points, points });
+        }
+        let pixels = self.judge(&baseline.pixel_values(gpu, lookup, &inputs, self.eye, self.angle)?)?;
+        Some(PixelErrors { pixels, points })
     }
 
     /// Error figures of a method's answers; `None` if no pixel counts.

@@ -51,6 +51,8 @@ impl IdealWalks {
             view: truth.view,
             geometry: map.geometry,
             normal_bias: NORMAL_BIAS,
+            receiver_offset: 0.0,
+            made: Surface::FIRST,
             depths: &map.depths,
             numbers: &self.numbers(map),
             surface: &self.surface,

@@ -1,6 +1,5 @@
 //! The casters' triangles and their neighbours as lookups read them.
 
-use crate::casters::ChunkSource;
 use crate::chunks::{self, TriangleRecord, Vertex};
 use crate::compare::gpu::Gpu;
 use crate::compare::ideal::NO_TRIANGLE;
@@ -21,11 +20,20 @@ pub struct Surface {
 struct Chunk {
     vertex: u32,
     triangle: u32,
+    /// Number of the casters' update that brought or moved it, 0 if it is gone.
+    changed: u32,
 }
 
+/// Words of the shaders' `DpChunk`, and the first of its `place`.
+const CHUNK_WORDS: usize = 24;
+const PLACE: usize = 20;
+
 impl Surface {
+    /// Number of the first update of a store.
+    pub const FIRST: u32 = 1;
+
     /// A scene's, as [`fill`](super::super::fill) makes them in a store of their own, masked meshes as if they had no
-    /// holes. With it, for each of the scene's [world triangles](Scene::world_triangles), its number; [`NO_TRIANGLE`] for those
+    /// holes, all as of the update [`Self::FIRST`]. With it, for each of the scene's [world triangles](Scene::world_triangles), its number; [`NO_TRIANGLE`] for those
     /// of no area.
     #[must_use]
     pub fn new(scene: &Scene) -> (Self, Vec<u32>) {
@@ -64,7 +72,7 @@ impl Surface {
                 numbers[triangle as usize] = number | place;
             }
             let (vertex, triangle) = (first_vertex + chunk.first_vertex, first_triangle + chunk.first_triangle);
-            self.chunks.push(Chunk { vertex, triangle });
+            self.chunks.push(Chunk { vertex, triangle, changed: Self::FIRST });
         }
         let positions: Vec<[f32; 3]> = mesh.vertices.iter().map(|vertex| vertex.position.to_array()).collect();
         self.vertices
@@ -74,19 +82,30 @@ impl Surface {
     /// What a store has on the GPU after a recording.
     #[must_use]
     pub fn read(gpu: &Gpu, casters: &Casters) -> Self {
-        let sources: Vec<ChunkSource> = gpu.read(casters.chunk_sources.buffer());
+        let chunks: Vec<[u32; CHUNK_WORDS]> = gpu.read(casters.chunk_bounds.buffer());
+        let chunk = |words: &[u32; CHUNK_WORDS]| Chunk {
+            vertex: words[PLACE],
+            triangle: words[PLACE + 1],
+            changed: words[PLACE + 2],
+        };
         let vertices: Vec<Vertex> = gpu.read(casters.vertices.buffer());
         Self {
-            chunks: sources.iter().map(|source| Chunk { vertex: source.vertex, triangle: source.record }).collect(),
+            chunks: chunks.iter().map(chunk).collect(),
             vertices: vertices.iter().map(|vertex| vertex.position).collect(),
             triangles: gpu.read(casters.records.arena().buffer()),
         }
     }
 
+    /// Whether the chunk of a triangle, by the triangle's number, is there and hasn't changed since an update.
+    #[must_use]
+    pub fn is_as_of(&self, number: u32, update: u32) -> bool {
+        self.chunks.get((number >> 8) as usize).is_some_and(|chunk| (1..=update).contains(&chunk.changed))
+    }
+
     /// A triangle, by its number.
     #[must_use]
     pub fn triangle(&self, number: u32) -> SurfaceTriangle {
-        let Chunk { vertex, triangle } = self.chunks[(number >> 8) as usize];
+        let Chunk { vertex, triangle, .. } = self.chunks[(number >> 8) as usize];
         let TriangleRecord { corners, beyond } = self.triangles[(triangle + (number & 0xff)) as usize];
         let corners = [0, 8, 16].map(|shift| vertex + (corners >> shift & 0xff));
         SurfaceTriangle { corners, beyond: beyond.map(|beyond| beyond.0) }

@@ -156,6 +156,8 @@ fn errors(scene: &Scene, steps: u32) -> Errors {
         view: truth.view,
         geometry,
         normal_bias: NORMAL_BIAS,
+        receiver_offset: 0.0,
+        made: Surface::FIRST,
         depths: &map.depths,
         numbers: &vec![NO_TRIANGLE; geometry.texels()],
         surface: &ideal.surface,
@@ -196,13 +198,17 @@ fn what_covers_the_ray_covers_it() {
             let ray = random_direction(&mut random);
             let start = numbers[random.random_range(0..numbers.len())];
             let frame = double::walk_frame(light.as_dvec3(), ray);
-            if let double::Walk::Covers { distance, triangle } = double::walk_from(&surface, start, &frame, 1000) {
+            if let double::Walk::Covers { distance, triangle } =
+                double::walk_from(&surface, start, Surface::FIRST, &frame, 1000)
+            {
                 check_cover(&surface, triangle, light, ray * distance, 1e-12);
                 found[0] += 1;
             }
             let ray = ray.as_vec3().normalize();
             let frame = single::walk_frame(light, ray);
-            if let single::Walk::Covers { distance, triangle } = single::walk_from(&surface, start, &frame, 1000) {
+            if let single::Walk::Covers { distance, triangle } =
+                single::walk_from(&surface, start, Surface::FIRST, &frame, 1000)
+            {
                 check_cover(&surface, triangle, light, ray.as_dvec3() * f64::from(distance), 2e-6);
                 found[1] += 1;
             }
@@ -239,7 +245,7 @@ fn walks_inside_a_ball_arrive() {
         let start = numbers[random.random_range(0..numbers.len())];
         let hit = truth.reference.nearest(ray, 0.0).expect("a shell all around");
         let frame = double::walk_frame(light.as_dvec3(), ray);
-        match double::walk_from(&surface, start, &frame, 1000) {
+        match double::walk_from(&surface, start, Surface::FIRST, &frame, 1000) {
             double::Walk::Covers { distance, .. } => assert!((distance / hit.t - 1.0).abs() < 1e-9, "{ray}"),
             end => panic!("{end:?} from {start} towards {ray}"),
         }
@@ -266,7 +272,7 @@ fn walks_end_at_silhouettes() {
             continue;
         }
         let misses = beside >= 1.0;
-        let end = double::walk_from(&surface, start, &frame, 200);
+        let end = double::walk_from(&surface, start, Surface::FIRST, &frame, 200);
         assert_eq!(end == double::Walk::Off, misses, "{end:?} from {start} towards {ray}");
     }
 }
@@ -284,7 +290,7 @@ fn windings_do_not_matter() {
         let ray = (random_direction(&mut random) * DVec3::new(1.8, 0.1, 1.8) - light - 0.5 * DVec3::Y).normalize();
         let frame = double::walk_frame(light, ray);
         let [flipped, plain] = surfaces.each_ref().map(|(surface, numbers)| {
-            match double::walk_from(surface, numbers[triangle], &frame, 100) {
+            match double::walk_from(surface, numbers[triangle], Surface::FIRST, &frame, 100) {
                 double::Walk::Covers { distance, .. } => Some(distance),
                 double::Walk::Off => None,
                 double::Walk::Lost => panic!("lost from {triangle} towards {ray}"),

@@ -61,13 +61,17 @@ macro_rules! twins {
             },
             /// The surface ends before the ray.
             Off,
-            /// No answer: too many steps, or an edge that more than two triangles share.
+            /// No answer: too many steps, an edge that more than two triangles share, or casters that have changed.
             Lost,
         }
 
-        /// Walks from a triangle over its neighbours towards the ray, over `steps` more triangles at most.
+        /// Walks from a triangle over its neighbours towards the ray, over `steps` more triangles at most. Casters that have
+        /// changed since the update number `made` aren't those that the map shows.
         #[must_use]
-        pub fn walk_from(surface: &Surface, number: u32, frame: &Frame, steps: u32) -> Walk {
+        pub fn walk_from(surface: &Surface, number: u32, made: u32, frame: &Frame, steps: u32) -> Walk {
+            if !surface.is_as_of(number, made) {
+                return Walk::Lost;
+            }
             let see = |vertex: u32| walk_see(frame, surface.vertex(vertex).$as_vec3());
             let mut number = number;
             let mut triangle = surface.triangle(number);
@@ -147,6 +151,10 @@ macro_rules! twins {
             pub geometry: MapGeometry,
             /// The lookup's bias along a surface's normal, in texel footprints.
             pub normal_bias: f64,
+            /// How far receivers may lie from the casters' surface, along their normal, in world units.
+            pub receiver_offset: f64,
+            /// Number of the casters' update that the maps show.
+            pub made: u32,
             /// Depth in each texel of the image of the pair.
             pub depths: &'a [$float],
             /// Triangle in each texel, or [`NO_TRIANGLE`].
@@ -262,9 +270,12 @@ macro_rules! twins {
                     1e3
                 };
                 let farthest = position.abs().max(self.light().abs()).max_element();
-                let rounding = ROUNDING as $float * grazing * (3.0 + farthest / receiver.distance);
+                // Along the ray, over the receiver's distance.
+                let offset = self.receiver_offset as $float * grazing / receiver.distance;
+                let rounding = ROUNDING as $float * grazing * (3.0 + farthest / receiver.distance) + offset;
                 let flat = FLAT as $float * grazing * footprint + rounding;
-                let (bias, spread) = (BIAS as $float + self.normal_bias as $float * grazing, 1.0 + grazing);
+                let bias = BIAS as $float + self.normal_bias as $float * grazing + offset / footprint;
+                let spread = 1.0 + grazing;
                 let surely_dark = bias + RAMP as $float * spread;
                 let margins =
                     texels.map(|(texel, centre)| self.depths[texel] / self.plane_depth(&receiver, centre) - 1.0);
@@ -289,7 +300,7 @@ macro_rules! twins {
                     own_seen: own.contains(&true) || unnumbered().any(|k| level[k]),
                     lost: unnumbered().any(|k| dark[k]),
                     over: (OVER.0 as $float + OVER.1 as $float * grazing) * footprint + rounding,
-                    own: -(OWN.0 as $float + OWN.1 as $float * grazing) * footprint,
+                    own: -(OWN.0 as $float + OWN.1 as $float * grazing) * footprint - offset,
                     nearest: self.view.near as $float * receiver.distance / receiver.w,
                     votes: votes(&margins, &weights, bias, spread),
                 })
@@ -325,7 +336,7 @@ macro_rules! twins {
                     if number == NO_TRIANGLE {
                         continue;
                     }
-                    match walk_from(self.surface, number, &frame, self.steps) {
+                    match walk_from(self.surface, number, self.made, &frame, self.steps) {
                         Walk::Covers { distance: reached, triangle } => {
                             if reached < quad.nearest || (self.is_hole)(triangle, ray) {
                                 continue;
