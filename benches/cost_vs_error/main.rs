@@ -248,8 +248,7 @@ impl Clock {
 fn setting<'a>(name: &str) -> anyhow::Result<Setting<'a>> {
     let scene = find_scene(name)?;
     // The other methods know no holes.
-    let (scene, with_holes) =
-        if scene.has_holes() { (scene.without_holes(), Some(scene)) } else { (scene, None) };
+    let (scene, with_holes) = if scene.has_holes() { (scene.without_holes(), Some(scene)) } else { (scene, None) };
     let (light, choice) = choose_light(&scene, None, None);
     let camera = choose_camera(&scene, &light, choice);
     let origin = if is_made_in_code(name) { Origin::Code } else { Origin::File };

@@ -142,7 +142,8 @@ fn family<T>(worst: &Option<(String, T)>) -> String {
 /// both curves share.
 fn other_times(figures: &Figures, scenes: &[&SceneCosts]) -> Table {
     let timed = Timed::all(figures.conditions.screens.len());
-    let names = timed.iter().map(|timed| timed.name(&figures.conditions.screens)).chain(["headline, shared errors".to_owned()]);
+    let names =
+        timed.iter().map(|timed| timed.name(&figures.conditions.screens)).chain(["headline, shared errors".to_owned()]);
     let titles: Vec<String> = ["against".to_owned()].into_iter().chain(names).collect();
     let mut table = Table::new(&titles.iter().map(String::as_str).collect::<Vec<_>>());
     for rival in rivals(scenes) {

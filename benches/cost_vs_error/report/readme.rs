@@ -27,9 +27,9 @@ pub fn readme(figures: &Figures) -> String {
         (format!("How fast, {of}"), times(figures, headline)),
     ];
     let of_all = format!("{adapter}, {} orientations", figures.conditions.orientations);
-    tables.iter().fold(format!("# README\n\n{of_all}\n"), |text, (title, table)| {
-        text + &format!("\n## {title}\n\n{table}")
-    })
+    tables
+        .iter()
+        .fold(format!("# README\n\n{of_all}\n"), |text, (title, table)| text + &format!("\n## {title}\n\n{table}"))
 }
 
 /// A method and its lookup, to a reader who doesn't know the comparison's names.
@@ -52,11 +52,7 @@ fn own_maps(scenes: &[&SceneCosts]) -> Vec<Contestant> {
     rivals(scenes).into_iter().filter(|of| of.method.same_map() == of.method).collect()
 }
 
-fn wrong(
-    scenes: &[&SceneCosts],
-    main: u32,
-    pair: fn(&SceneCosts, Contestant, u32) -> Option<ErrorPair>,
-) -> Table {
+fn wrong(scenes: &[&SceneCosts], main: u32, pair: fn(&SceneCosts, Contestant, u32) -> Option<ErrorPair>) -> Table {
     let mut table = Table::new(&["wrong answers, this library over", "median", "worst", "mean", "pooled", "wins"]);
     for rival in own_maps(scenes) {
         let pairs = scenes.iter().filter_map(|costs| pair(costs, rival, main));
@@ -82,8 +78,7 @@ fn by_scene(scenes: &[&SceneCosts], main: u32) -> Table {
         (Method::Cube, Lookup::CubeHardware),
         (Method::VertexWarp, Lookup::VertexWarp),
     ];
-    let shown: Vec<Contestant> =
-        own.chain(others.map(|(method, lookup)| Contestant { method, lookup })).collect();
+    let shown: Vec<Contestant> = own.chain(others.map(|(method, lookup)| Contestant { method, lookup })).collect();
     let names: Vec<String> = shown.iter().map(|of| name(*of)).collect();
     let mut head = vec!["scene", "triangles"];
     head.extend(names.iter().map(String::as_str));

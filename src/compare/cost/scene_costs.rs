@@ -2,9 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{
-    BreakEven, Bytes, Cost, Curve, ErrorPair, OwnErrors, Point, Ratio, Reading, Rule, Timed, shown_error,
-};
+use super::{BreakEven, Bytes, Cost, Curve, ErrorPair, OwnErrors, Point, Ratio, Reading, Rule, Timed, shown_error};
 use crate::compare::baselines::{Budget, Lookup, Method};
 
 /// Where a scene comes from.
@@ -213,6 +211,7 @@ mod tests {
         let lookup = |&lookup: &Lookup| LookupCost {
             lookup,
             wrong_ppm,
+            wrong_front_ppm: wrong_ppm,
             wrong_ppm_by_orientation: vec![wrong_ppm],
             samples: 1_000_000,
             bias: None,
