@@ -57,7 +57,7 @@ fn one_method_is_an_object_with_all_keys() {
     assert_keys(&json, ALL);
     assert_keys(
         &json["map"],
-        "texels wrong_surface_ppm holes phantoms depth_error_median depth_error_p99 depth_error_max",
+        "texels wrong_surface_ppm holes phantoms strays depth_error_median depth_error_p99 depth_error_max",
     );
     assert_keys(&json["shadow"], SHADOW);
     assert_keys(&json["shadow"]["points"], "pixels_wrong_ppm value_error value_error_point");
@@ -104,7 +104,9 @@ fn several_methods_are_a_list_with_nulls_for_what_they_lack() {
                 assert_eq!(one["shadow"][figure].is_null(), number != 0, "{figure}");
             }
             for figure in ["wrong_ppm", "wrong_energy_ppm", "pixels_wrong_ppm", "value_error", "value_error_point"] {
-                assert!(one["shadow"][figure].as_f64() > Some(0.0), "{figure} of {}", methods[number]);
+                // So few receivers may find nothing wrong with edges that are exact.
+                let least = if number == 0 && !figure.starts_with("value") { -1.0 } else { 0.0 };
+                assert!(one["shadow"][figure].as_f64() > Some(least), "{figure} of {}", methods[number]);
             }
         }
     }
