@@ -21,16 +21,14 @@ const DP_WALK_FLAT: f32 = 0.02;
 // factor.
 const DP_WALK_OWN: f32 = 0.02;
 const DP_WALK_OWN_GRAZING: f32 = 0.05;
-// Points of a pixel that are asked, in its steps, on a hexagon: every other one, which no edge through the pixel's middle
-// goes past, and the rest where those differ.
-const DP_PIXEL_POINTS: array<vec2<f32>, 6> = array<vec2<f32>, 6>(
-    vec2<f32>(0.406, 0.109), vec2<f32>(-0.297, 0.297), vec2<f32>(-0.109, -0.406),
-    vec2<f32>(-0.406, -0.109), vec2<f32>(0.297, -0.297), vec2<f32>(0.109, 0.406),
-);
+// Points of a pixel that are asked at most.
+const DP_PIXEL_POINTS: u32 = 6u;
 
 const DP_NO_TRIANGLE: u32 = 0xffffffffu;
 // Beyond an edge: the surface's end. See src/neighbours.rs.
 const DP_NOTHING: u32 = 3u;
+// Something, but not known what.
+const DP_UNKNOWN: u32 = 7u;
 // Bit of a chunk's kind: its mesh has holes.
 const DP_MASKED: u32 = 2u;
 
@@ -97,31 +95,49 @@ fn dp_walk_beside(side: f32, a: vec3<f32>, b: vec3<f32>) -> f32 {
     return side * inverseSqrt(max(dot(ab, ab), 1e-30));
 }
 
-// How a walk ends: the distance from the light at which a triangle crosses the ray, or one of these. The surface ends before
+// How a step ends: the distance from the light at which a triangle crosses the ray, or one of these. The surface ends before
 // the ray, or has a hole there.
 const DP_WALK_OFF: f32 = 0.0;
 // There is no answer.
 const DP_WALK_LOST: f32 = -1.0;
+// The walk goes on.
+const DP_WALK_ON: f32 = -2.0;
 
-// A triangle as a walk reads it: its record, and its chunk's first vertex and kind.
-struct DpWalked {
-    record: vec4<u32>,
-    vertex: u32,
-    kind: u32,
+// A walk on its way into the triangle beyond an edge, from p to q as the ray sees it.
+struct DpWalk {
+    // As mesh records have it, and the chunk that it is relative to with its place.
+    beyond: u32,
+    chunk: u32,
+    place: vec4<u32>,
+    // The triangle's front faces the light; walks go as if it faced away.
+    turned: bool,
+    // Steps that are left.
+    left: u32,
+    // DP_NO_VERTEX before the first step.
+    p_vertex: u32,
+    q_vertex: u32,
+    p: vec3<f32>,
+    q: vec3<f32>,
+    // How far the ray runs beyond the edge: (q x p).ray.
+    crossed: f32,
 }
 
-fn dp_walk_triangle(place: vec4<u32>, triangle: u32) -> DpWalked {
-    return DpWalked(dp_mesh_record(place.y + (triangle & 0xffu)), place.x, place.w);
-}
+const DP_NO_VERTEX: u32 = 0xffffffffu;
 
-// Number of a triangle's vertex at corner `k`, from 0 to 2.
-fn dp_walk_vertex(triangle: DpWalked, k: u32) -> u32 {
-    return triangle.vertex + ((triangle.record.x >> (8u * k)) & 0xffu);
-}
-
-// What lies beyond the edge `k`.
-fn dp_walk_beyond(triangle: DpWalked, k: u32) -> u32 {
-    return select(select(triangle.record.w, triangle.record.z, k == 1u), triangle.record.y, k == 0u);
+// A walk from a triangle. Casters that have changed since the map was made aren't those it shows.
+fn dp_walk_begin(number: u32, made: u32) -> DpWalk {
+    var walk: DpWalk;
+    walk.p_vertex = DP_NO_VERTEX;
+    walk.left = DP_WALK_STEPS + 1u;
+    walk.chunk = number >> 8u;
+    walk.beyond = DP_UNKNOWN;
+    if walk.chunk < arrayLength(&dp_chunks) {
+        walk.place = dp_chunk(walk.chunk);
+        if walk.place.z != 0u && walk.place.z <= made {
+            walk.beyond = (number & 0xffu) << 3u;
+        }
+    }
+    return walk;
 }
 
 // `k + by` among the numbers 0, 1 and 2.
@@ -130,137 +146,97 @@ fn dp_walk_turn(k: u32, by: u32) -> u32 {
     return select(sum, sum - 3u, sum >= 3u);
 }
 
-// In the triangle that the ray is inside of: by its volume with the light, its vertices, and the sides of the edges opposite
-// to them.
-fn dp_walk_end(kind: u32, volume: f32, vertices: vec3<u32>, sides: vec3<f32>) -> f32 {
-    let sum = sides.x + sides.y + sides.z;
-    if !(volume > 0.0 && sum > 0.0) {
-        return DP_WALK_OFF;
-    }
-    if (kind & DP_MASKED) != 0u {
-        let a = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.x).w));
-        let b = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.y).w));
-        let c = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.z).w));
-        if dp_is_hole(a, b, c, sides * (1.0 / sum)) {
-            return DP_WALK_OFF;
-        }
-    }
-    return volume / sum;
+// A triangle's corner `k`, from 0 to 2, among its chunk's vertices.
+fn dp_walk_corner(corners: u32, k: u32) -> u32 {
+    return (corners >> (8u * k)) & 0xffu;
 }
 
-// Walks from a triangle over its neighbours towards the ray. Casters that have changed since the map was made aren't those it
-// shows.
-fn dp_walk_from(number: u32, made: u32, frame: DpWalkFrame) -> f32 {
-    var chunk = number >> 8u;
-    if chunk >= arrayLength(&dp_chunks) {
-        return DP_WALK_LOST;
+// One triangle on.
+fn dp_walk_step(walk: ptr<function, DpWalk>, frame: DpWalkFrame) -> f32 {
+    let beyond = (*walk).beyond;
+    if (beyond & 3u) == 3u || (*walk).left == 0u {
+        return select(DP_WALK_LOST, DP_WALK_OFF, beyond == DP_NOTHING);
     }
-    var place = dp_chunk(chunk);
-    if place.z == 0u || place.z > made {
-        return DP_WALK_LOST;
+    (*walk).left -= 1u;
+    let chunks = bitcast<i32>(beyond) >> 11u;
+    if chunks != 0 {
+        (*walk).chunk = u32(i32((*walk).chunk) + chunks);
+        (*walk).place = dp_chunk((*walk).chunk);
     }
-    var triangle = dp_walk_triangle(place, number);
-    let vertices = vec3<u32>(dp_walk_vertex(triangle, 0u), dp_walk_vertex(triangle, 1u), dp_walk_vertex(triangle, 2u));
-    let a = dp_walk_see(frame, vertices.x);
-    let b = dp_walk_see(frame, vertices.y);
-    let c = dp_walk_see(frame, vertices.z);
-    var sides = vec3<f32>(dp_walk_side(a, b), dp_walk_side(b, c), dp_walk_side(c, a));
-    let start_volume = a.z * sides.y + b.z * sides.z + c.z * sides.x;
-    // Walks go as if the triangle's front faced away from the light.
-    var turned = start_volume < 0.0;
-    sides = select(sides, -sides, turned);
-    if min(sides.x, min(sides.y, sides.z)) >= 0.0 {
-        return dp_walk_end(triangle.kind, abs(start_volume), vertices, sides.yzx);
+    let place = (*walk).place;
+    let record = dp_mesh_record(place.y + ((beyond >> 3u) & 0xffu));
+    let entered = beyond & 3u;
+    let one = place.x + dp_walk_corner(record.x, entered);
+    let other = place.x + dp_walk_corner(record.x, dp_walk_turn(entered, 1u));
+    let n_vertex = place.x + dp_walk_corner(record.x, dp_walk_turn(entered, 2u));
+    var turned = (*walk).turned != ((beyond & 4u) != 0u);
+    let begins = (*walk).p_vertex == DP_NO_VERTEX;
+    var p_vertex = select(other, one, turned);
+    var q_vertex = select(one, other, turned);
+    var p = (*walk).p;
+    var q = (*walk).q;
+    var crossed = (*walk).crossed;
+    // The first triangle, another chunk's, or where a deforming mesh may have come apart.
+    if p_vertex != (*walk).p_vertex || q_vertex != (*walk).q_vertex {
+        p = dp_walk_see(frame, p_vertex);
+        q = dp_walk_see(frame, q_vertex);
+        crossed = dp_walk_side(q, p);
     }
-    let beside = vec3<f32>(
-        dp_walk_beside(sides.x, a, b),
-        dp_walk_beside(sides.y, b, c),
-        dp_walk_beside(sides.z, c, a),
-    );
-    // The edge from p to q is crossed: the ray runs so far on its other side.
-    var edge = 0u;
-    var p = a;
-    var q = b;
-    var p_vertex = vertices.x;
-    var q_vertex = vertices.y;
-    var crossed = -sides.x;
-    if beside.y < beside.x {
-        edge = 1u;
-        p = b;
-        q = c;
-        p_vertex = vertices.y;
-        q_vertex = vertices.z;
-        crossed = -sides.y;
+    let n = dp_walk_see(frame, n_vertex);
+    var pn = dp_walk_side(p, n);
+    var nq = dp_walk_side(n, q);
+    var volume = q.z * pn + p.z * nq + n.z * crossed;
+    if begins && volume < 0.0 {
+        turned = !turned;
+        let end = p;
+        p = q;
+        q = end;
+        let end_vertex = p_vertex;
+        p_vertex = q_vertex;
+        q_vertex = end_vertex;
+        let side = pn;
+        pn = -nq;
+        nq = -side;
+        crossed = -crossed;
+        volume = -volume;
     }
-    if beside.z < min(beside.x, beside.y) {
-        edge = 2u;
-        p = c;
-        q = a;
-        p_vertex = vertices.z;
-        q_vertex = vertices.x;
-        crossed = -sides.z;
+    // It faces the other way: what is behind it the first texel didn't see.
+    if volume < 0.0 {
+        return DP_WALK_OFF;
     }
-    if turned {
-        let end = q;
-        q = p;
-        p = end;
-        let end_vertex = q_vertex;
-        q_vertex = p_vertex;
-        p_vertex = end_vertex;
-    }
-    var beyond = dp_walk_beyond(triangle, edge);
-    for (var step = 0u; step < DP_WALK_STEPS; step++) {
-        if (beyond & 3u) == 3u {
-            break;
-        }
-        let chunks = bitcast<i32>(beyond) >> 11u;
-        if chunks != 0 {
-            chunk = u32(i32(chunk) + chunks);
-            place = dp_chunk(chunk);
-        }
-        triangle = dp_walk_triangle(place, beyond >> 3u);
-        let entered = beyond & 3u;
-        turned = turned != ((beyond & 4u) != 0u);
-        let one = dp_walk_vertex(triangle, entered);
-        let other = dp_walk_vertex(triangle, dp_walk_turn(entered, 1u));
-        let p_here = select(other, one, turned);
-        let q_here = select(one, other, turned);
-        // Another chunk's, or where a deforming mesh may have come apart.
-        if p_here != p_vertex || q_here != q_vertex {
-            p_vertex = p_here;
-            q_vertex = q_here;
-            p = dp_walk_see(frame, p_here);
-            q = dp_walk_see(frame, q_here);
-            crossed = dp_walk_side(q, p);
-        }
-        let n_vertex = dp_walk_vertex(triangle, dp_walk_turn(entered, 2u));
-        let n = dp_walk_see(frame, n_vertex);
-        let pn = dp_walk_side(p, n);
-        let nq = dp_walk_side(n, q);
-        let volume = q.z * pn + p.z * nq + n.z * crossed;
-        // It faces the other way: what is behind it the first texel didn't see.
-        if volume < 0.0 {
+    if min(pn, nq) >= 0.0 && (crossed >= 0.0 || !begins) {
+        let sum = pn + nq + crossed;
+        if crossed < 0.0 || volume == 0.0 || sum <= 0.0 {
             return DP_WALK_OFF;
         }
-        if min(pn, nq) >= 0.0 {
-            if crossed < 0.0 {
-                return DP_WALK_OFF;
-            }
-            return dp_walk_end(triangle.kind, volume, vec3<u32>(q_vertex, p_vertex, n_vertex), vec3<f32>(pn, nq, crossed));
+        if (place.w & DP_MASKED) != 0u && dp_walk_is_hole(vec3<u32>(q_vertex, p_vertex, n_vertex), vec3<f32>(pn, nq, crossed)) {
+            return DP_WALK_OFF;
         }
-        let over_pn = dp_walk_beside(pn, p, n) < dp_walk_beside(nq, n, q);
-        beyond = dp_walk_beyond(triangle, dp_walk_turn(entered, select(1u, 2u, over_pn == turned)));
-        if over_pn {
-            q = n;
-            q_vertex = n_vertex;
-            crossed = -pn;
-        } else {
-            p = n;
-            p_vertex = n_vertex;
-            crossed = -nq;
-        }
+        return volume / sum;
     }
-    return select(DP_WALK_LOST, DP_WALK_OFF, beyond == DP_NOTHING);
+    // Over the edge that the ray runs farthest beyond, but never back.
+    let over_pn = dp_walk_beside(pn, p, n);
+    let over_nq = dp_walk_beside(nq, n, q);
+    let back = begins && dp_walk_beside(crossed, q, p) < min(over_pn, over_nq);
+    let first = over_pn < over_nq;
+    let edge = dp_walk_turn(entered, select(select(1u, 2u, first == turned), 0u, back));
+    (*walk).beyond = select(select(record.w, record.z, edge == 1u), record.y, edge == 0u);
+    (*walk).turned = turned;
+    // From p to n, from n to q, or back from q to p.
+    (*walk).p_vertex = select(select(n_vertex, p_vertex, first), q_vertex, back);
+    (*walk).q_vertex = select(select(q_vertex, n_vertex, first), p_vertex, back);
+    (*walk).p = select(select(n, p, first), q, back);
+    (*walk).q = select(select(q, n, first), p, back);
+    (*walk).crossed = -select(select(nq, pn, first), crossed, back);
+    return DP_WALK_ON;
+}
+
+// Whether a masked triangle has a hole where the ray runs, by the sides of the edges opposite to its vertices.
+fn dp_walk_is_hole(vertices: vec3<u32>, sides: vec3<f32>) -> bool {
+    let a = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.x).w));
+    let b = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.y).w));
+    let c = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.z).w));
+    return dp_is_hole(a, b, c, sides * (1.0 / (sides.x + sides.y + sides.z)));
 }
 
 // What is known of a receiver whose texels disagree.
@@ -357,36 +333,10 @@ fn dp_walk_least(triangles: vec4<u32>) -> u32 {
     return min(min(triangles.x, triangles.y), min(triangles.z, triangles.w));
 }
 
-// 1 or 0 for certain, or the votes, at a point that may lie so far off the receiver's surface.
-fn dp_walk_decide(light: vec3<f32>, position: vec3<f32>, quad: DpWalkQuad, off: f32) -> f32 {
-    let relative = position - light;
-    let distance = length(relative);
-    let frame = dp_walk_frame(light, relative * (1.0 / distance));
-    var own = quad.own_seen;
-    var lost = quad.lost;
-    // Each triangle once: first the leading one, then in the order of their numbers, of which DP_NO_TRIANGLE is the last.
-    var rest = quad.triangles;
-    var triangle = select(quad.lead, dp_walk_least(rest), quad.lead == DP_NO_TRIANGLE);
-    while triangle != DP_NO_TRIANGLE {
-        rest = select(rest, vec4<u32>(DP_NO_TRIANGLE), rest == vec4<u32>(triangle));
-        let end = dp_walk_from(triangle, quad.made, frame);
-        if end > 0.0 && end >= quad.nearest {
-            let margin = distance / end - 1.0;
-            if margin > quad.over + off / distance {
-                return 0.0;
-            }
-            own = own || margin > quad.own;
-        } else if end < 0.0 {
-            let here = dp_walk_bits(quad.triangles == vec4<u32>(triangle));
-            lost = lost || (here & quad.dark) != 0u;
-            own = own || (here & quad.level) != 0u;
-        }
-        triangle = dp_walk_least(rest);
-    }
-    return select(quad.votes, 1.0, own && !lost);
-}
-
-// What a receiver's triangles answer over a pixel, of whose points none is asked for farther away than `most`.
+// What a receiver's triangles answer over a pixel, of whose points none is asked for farther away than `most`. At each point
+// each triangle is asked once, first the leading one, then in the order of their numbers: any that is in the way makes it
+// dark, else the receiver's own surface lit, else the votes decide. One loop goes through points, triangles and steps, so that
+// no pixel of a group waits for another's walk to end.
 fn dp_walk_pixel(
     light: u32,
     position: vec3<f32>,
@@ -395,24 +345,87 @@ fn dp_walk_pixel(
     first: DpWalkFirst,
     most: f32,
 ) -> f32 {
-    let centre = dp_lights[light].position;
-    if all(pixel[0] == vec3<f32>(0.0)) && all(pixel[1] == vec3<f32>(0.0)) {
-        return dp_walk_decide(centre, position, first.quad, 0.0);
+    let quad = first.quad;
+    let lead = select(quad.lead, dp_walk_least(quad.triangles), quad.lead == DP_NO_TRIANGLE);
+    if lead == DP_NO_TRIANGLE {
+        return select(quad.votes, 1.0, quad.own_seen && !quad.lost);
     }
     let across = dp_walk_within(normal, pixel[0], most);
     let down = dp_walk_within(normal, pixel[1], most);
-    var points = DP_PIXEL_POINTS;
+    let is_point = dot(across, across) + dot(down, down) == 0.0;
+    let count = select(DP_PIXEL_POINTS, 1u, is_point);
+    let centre = dp_lights[light].position;
+    var k = 0u;
     var sum = 0.0;
-    for (var k = 0u; k < 6u; k++) {
-        // The first three agree: so will the others.
-        if k == 3u && (sum == 0.0 || sum == 3.0) {
-            return min(sum, 1.0);
+    var aside = dp_walk_aside(across, down, k);
+    var point = dp_walk_point(centre, position + aside);
+    var own = quad.own_seen;
+    var lost = quad.lost;
+    var triangle = lead;
+    var rest = quad.triangles;
+    var walk = dp_walk_begin(triangle, quad.made);
+    loop {
+        let end = dp_walk_step(&walk, point.frame);
+        if end == DP_WALK_ON {
+            continue;
         }
-        let aside = across * points[k].x + down * points[k].y;
-        // Beyond a crease the receiver's plane runs under the next surface.
-        sum += dp_walk_decide(centre, position + aside, first.quad, first.grazing * length(aside));
+        var answer = -1.0;
+        if end > 0.0 && end >= quad.nearest {
+            let margin = point.distance / end - 1.0;
+            // Beyond a crease the receiver's plane runs under the next surface.
+            if margin > quad.over + first.grazing * length(aside) / point.distance {
+                answer = 0.0;
+            }
+            own = own || margin > quad.own;
+        } else if end < 0.0 {
+            let here = dp_walk_bits(quad.triangles == vec4<u32>(triangle));
+            lost = lost || (here & quad.dark) != 0u;
+            own = own || (here & quad.level) != 0u;
+        }
+        rest = select(rest, vec4<u32>(DP_NO_TRIANGLE), rest == vec4<u32>(triangle));
+        triangle = dp_walk_least(rest);
+        if answer < 0.0 && triangle == DP_NO_TRIANGLE {
+            answer = select(quad.votes, 1.0, own && !lost);
+        }
+        if answer >= 0.0 {
+            sum += answer;
+            k++;
+            // Of the first three, if they agree, so will the others.
+            if k == count || (k == 3u && (sum == 0.0 || sum == 3.0)) {
+                break;
+            }
+            aside = dp_walk_aside(across, down, k);
+            point = dp_walk_point(centre, position + aside);
+            own = quad.own_seen;
+            lost = quad.lost;
+            triangle = lead;
+            rest = quad.triangles;
+        }
+        walk = dp_walk_begin(triangle, quad.made);
     }
-    return min(sum * (1.0 / 6.0), 1.0);
+    return min(sum / f32(k), 1.0);
+}
+
+// A point of a pixel as walks go there.
+struct DpWalkPoint {
+    frame: DpWalkFrame,
+    distance: f32,
+}
+
+fn dp_walk_point(light: vec3<f32>, position: vec3<f32>) -> DpWalkPoint {
+    let relative = position - light;
+    let distance = length(relative);
+    return DpWalkPoint(dp_walk_frame(light, relative * (1.0 / distance)), distance);
+}
+
+// Where a point of a pixel lies from its middle: on a hexagon, the first three on a triangle, so that no edge through the
+// middle goes past all of them.
+fn dp_walk_aside(across: vec3<f32>, down: vec3<f32>, k: u32) -> vec3<f32> {
+    let sign = select(1.0, -1.0, k >= 3u);
+    let third = select(k, k - 3u, k >= 3u);
+    let x = select(select(-0.109, -0.297, third == 1u), 0.406, third == 0u);
+    let y = select(select(-0.406, 0.297, third == 1u), 0.109, third == 0u);
+    return (across * x + down * y) * sign;
 }
 
 // A step on the receiver's plane of `most` at most.

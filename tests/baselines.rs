@@ -653,20 +653,20 @@ fn screen_passes_answer_as_the_lookups_do() {
     let light = PointLight { position: Vec3::new(0.0, 4.0, 0.0), range: 40.0, ..Default::default() };
     let shot = Shot::take(&scene, &scene.suggest_camera(light.position), 96, 54);
     let bench = LookupBench::new(gpu(), &scene, &light, &shot, 128).unwrap();
-    let own = bench.answers(Question::Lookup(Lookup::Paraboloid), PassStage::Fragment);
+    let own = bench.answers(Question::Lookup(Lookup::Votes), PassStage::Fragment);
     assert!(own.contains(&0.0) && own.contains(&1.0));
     // The same four texels, loaded one by one: weights and references differ by rounding.
-    let votes = bench.answers(Question::Lookup(Lookup::Votes), PassStage::Fragment);
     let loaded = bench.answers(Question::Texels(2), PassStage::Fragment);
-    assert!(votes.iter().zip(&loaded).filter(|(a, b)| (*a - *b).abs() > 1e-3).count() <= own.len() / 1000);
+    assert!(own.iter().zip(&loaded).filter(|(a, b)| (*a - *b).abs() > 1e-3).count() <= own.len() / 1000);
     let differing = |other: Question| {
         let other = bench.answers(other, PassStage::Fragment);
         assert!(other.iter().all(|share| (0.0..=1.0 + 1e-6).contains(share)));
         own.iter().zip(&other).filter(|(a, b)| (**a >= 0.5) != (**b >= 0.5)).count()
     };
     // Filters of other widths agree but near boundaries, and so does the cube.
-    let cubes = [Lookup::CubePlane, Lookup::CubeWalk].map(Question::Lookup);
-    for question in [Question::Texels(1), Question::Texels(3)].into_iter().chain(cubes) {
+    let of_pair = [Question::Texels(1), Question::Texels(3), Question::Point, Question::Lookup(Lookup::Paraboloid)];
+    let of_cubes = [Lookup::CubePlane, Lookup::CubeWalk].map(Question::Lookup);
+    for question in of_pair.into_iter().chain(of_cubes) {
         assert!(differing(question) < own.len() / 10, "{}", question.name());
     }
     for kernel in [Kernel::Square3, Kernel::Square5, Kernel::Disc, Kernel::Soft] {
