@@ -43,7 +43,7 @@ fn assert_keys(object: &Value, keys: &str) {
 }
 
 const ALL: &str = "scene method resolution texels bytes triangles map shadow time";
-const SHADOW: &str = "samples lit_fraction wrong_ppm wrong_energy_ppm leak_ppm false_shadow_ppm far_wrong_ppm \
+const SHADOW: &str = "samples lit_fraction wrong_ppm wrong_energy_ppm leak_ppm false_shadow_ppm far_wrong_ppm back_fraction wrong_front_ppm \
                       pixels_wrong_ppm value_error value_error_point crease_mean crease_q001 crease_below_ppm \
                       ideal_wrong_ppm ideal_votes_wrong_ppm disagree_ppm acne_ppm underlight_ppm";
 /// What of them the paraboloid has alone.
@@ -57,7 +57,7 @@ fn one_method_is_an_object_with_all_keys() {
     assert_keys(&json, ALL);
     assert_keys(
         &json["map"],
-        "texels wrong_surface_ppm holes phantoms depth_error_median depth_error_p99 depth_error_max",
+        "texels wrong_surface_ppm holes phantoms strays depth_error_median depth_error_p99 depth_error_max",
     );
     assert_keys(&json["shadow"], SHADOW);
     assert_keys(&json["time"], "adapter ms_median ms_min ms_max runs");
