@@ -44,7 +44,8 @@ fn assert_keys(object: &Value, keys: &str) {
 
 const ALL: &str = "scene method resolution texels bytes triangles map shadow time";
 const SHADOW: &str = "samples lit_fraction wrong_ppm wrong_energy_ppm leak_ppm false_shadow_ppm far_wrong_ppm \
-                      back_fraction wrong_front_ppm pixels_wrong_ppm value_error value_error_point points crease_mean crease_q001 crease_below_ppm \
+                      back_fraction wrong_front_ppm pixels_wrong_ppm value_error value_error_point points \
+                      crease_mean crease_q001 crease_below_ppm \
                       ideal_wrong_ppm ideal_votes_wrong_ppm disagree_ppm acne_ppm underlight_ppm";
 /// What of them the paraboloid has alone.
 const OWN: [&str; 5] = ["ideal_wrong_ppm", "ideal_votes_wrong_ppm", "disagree_ppm", "acne_ppm", "underlight_ppm"];
