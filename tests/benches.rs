@@ -69,6 +69,7 @@ fn cost_against_error_in_a_hurry() {
         }
     }
     check_errors(&read(&out.join("errors.md")));
+    check_exact(&read(&out.join("exact.md")));
     let readme = read(&out.join("readme.md"));
     let row = readme.lines().find(|line| line.starts_with("| many-small-20 ")).expect("a row of the table by scene");
     let wrong = &figures_of(&out, "many-small-20-double-sided")["costs"];
@@ -138,6 +139,23 @@ fn check_errors(text: &str) {
     }
 }
 
+/// Each lookup and the rule over the yardstick, fewer texels than the cube, and the rivals at equal error.
+fn check_exact(text: &str) {
+    let sections: Vec<&str> = text.split("\n## ").collect();
+    let rows = |title: &str, row: &str| {
+        let of = sections.iter().find(|section| section.starts_with(title)).unwrap_or_else(|| panic!("{title}: {text}"));
+        let count = of.lines().filter(|line| line.starts_with(&format!("| {row} "))).count();
+        assert!(count == 2 || row == "all" && count == 1, "{row} in {of}");
+    };
+    for lookup in ["paraboloid", "votes", "rule"] {
+        rows("Over votes-v1, Scenes made in code", lookup);
+    }
+    rows("R = 32 over the cube with the same votes at the texels of R = 64", "all");
+    for rival in ["cube: cube-hardware", "cube: cube-plane", "cube-compute: cube-walk"] {
+        rows("Equal error, Scenes made in code", rival);
+    }
+}
+
 /// All lookups of the library, with every figure.
 fn check_own(own: &Value) {
     let lookups = own["lookups"].as_array().expect("a list of lookups");
@@ -146,9 +164,14 @@ fn check_own(own: &Value) {
         for figure in ["wrong_ppm", "wrong_energy_ppm", "far_wrong_ppm", "back_fraction", "wrong_front_ppm"] {
             assert!(of["shadow"][figure].is_f64(), "{figure}: {of}");
         }
-        assert!(of["pixels"]["value_error"].is_f64(), "{of}");
+        for asked in ["pixels", "points"] {
+            assert!(of["pixels"][asked]["value_error"].is_f64(), "{of}");
+        }
     }
-    assert!(own["map"]["strays"].is_u64() && own["ideal"]["wrong_ppm"].is_f64(), "{own}");
+    assert!(own["map"]["strays"].is_u64(), "{own}");
+    for ideal in ["ideal", "rule"] {
+        assert!(own[ideal]["wrong_ppm"].is_f64(), "{own}");
+    }
 }
 
 /// Every method at two resolutions, cubes in two sizes at the greater one, and every lookup with its errors and times.

@@ -25,9 +25,15 @@ fn utf8(bytes: &[u8]) -> String {
 
 /// Runs a quick measurement of a small scene, and returns what it wrote and printed.
 fn measure(name: &str, arguments: &[&str]) -> (Value, String) {
+    measure_at(2000, name, arguments)
+}
+
+/// With so many receivers.
+fn measure_at(samples: u32, name: &str, arguments: &[&str]) -> (Value, String) {
     let file = path(name);
     let _ = std::fs::remove_file(&file);
-    let quick = ["few-large", "--samples", "2000", "--size", "96x54", "--runs", "2", "--json", file.to_str().unwrap()];
+    let samples = samples.to_string();
+    let quick = ["few-large", "--samples", &samples, "--size", "96x54", "--runs", "2", "--json", file.to_str().unwrap()];
     let output = run(&[&quick, arguments].concat());
     assert!(output.status.success(), "{}", utf8(&output.stderr));
     let json = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
@@ -121,7 +127,7 @@ fn several_methods_are_a_list_with_nulls_for_what_they_lack() {
 fn each_rule_has_its_ideal() {
     let [votes, exact] = ["votes", "exact"].map(|rule| {
         let name = format!("{rule}.json");
-        measure(&name, &["--resolution", "128", "--samples", "50000", "--rule", rule]).0["shadow"].clone()
+        measure_at(50_000, &name, &["--resolution", "128", "--rule", rule]).0["shadow"].clone()
     });
     let figure = |shadow: &Value, name: &str| shadow[name].as_f64().unwrap_or_else(|| panic!("{name}: {shadow}"));
     let of =
