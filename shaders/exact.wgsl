@@ -21,9 +21,6 @@ const DP_WALK_FLAT: f32 = 0.02;
 // factor.
 const DP_WALK_OWN: f32 = 0.02;
 const DP_WALK_OWN_GRAZING: f32 = 0.05;
-// Points of a pixel that are asked at most.
-const DP_PIXEL_POINTS: u32 = 6u;
-
 const DP_NO_TRIANGLE: u32 = 0xffffffffu;
 // Beyond an edge: the surface's end. See src/neighbours.rs.
 const DP_NOTHING: u32 = 3u;
@@ -69,19 +66,41 @@ struct DpWalkFrame {
     ray: vec3<f32>,
     s: f32,
     a: f32,
+    // The receiver's distance from the light, and the steps to the next pixels there, square to the ray.
+    distance: f32,
+    across: vec2<f32>,
+    down: vec2<f32>,
 }
 
-fn dp_walk_frame(light: vec3<f32>, ray: vec3<f32>) -> DpWalkFrame {
+// A vector by the first two axes.
+fn dp_walk_flat(frame: DpWalkFrame, v: vec3<f32>) -> vec2<f32> {
+    let k = frame.a * dot(v.xy, frame.ray.xy) - v.z;
+    return vec2<f32>(v.x + frame.s * frame.ray.x * k, frame.s * v.y + frame.ray.y * k);
+}
+
+fn dp_walk_frame(light: vec3<f32>, ray: vec3<f32>, distance: f32) -> DpWalkFrame {
     let s = select(-1.0, 1.0, ray.z >= 0.0);
-    return DpWalkFrame(light, ray, s, -1.0 / (s + ray.z));
+    return DpWalkFrame(light, ray, s, -1.0 / (s + ray.z), distance, vec2<f32>(0.0), vec2<f32>(0.0));
 }
 
-// A vertex by these axes.
+// The same through the point that lies so many pixels aside.
+fn dp_walk_frame_aside(frame: DpWalkFrame, pixels: vec2<f32>) -> DpWalkFrame {
+    let flat_aside = frame.across * pixels.x + frame.down * pixels.y;
+    // The first two axes.
+    let k = frame.a * frame.ray.xy;
+    let x = vec3<f32>(1.0 + frame.s * frame.ray.x * k.x, frame.s * frame.ray.x * k.y, -frame.s * frame.ray.x);
+    let y = vec3<f32>(frame.ray.y * k.x, frame.s + frame.ray.y * k.y, -frame.ray.y);
+    let ray = normalize(frame.ray * frame.distance + x * flat_aside.x + y * flat_aside.y);
+    var aside = dp_walk_frame(frame.light, ray, frame.distance);
+    aside.across = frame.across;
+    aside.down = frame.down;
+    return aside;
+}
+
+// A vertex by the axes.
 fn dp_walk_see(frame: DpWalkFrame, vertex: u32) -> vec3<f32> {
     let p = dp_vertex(vertex).xyz - frame.light;
-    let h = dot(p.xy, frame.ray.xy);
-    let k = frame.a * h - p.z;
-    return vec3<f32>(p.x + frame.s * frame.ray.x * k, frame.s * p.y + frame.ray.y * k, h + frame.ray.z * p.z);
+    return vec3<f32>(dp_walk_flat(frame, p), dot(frame.ray, p));
 }
 
 // On which side of the plane through the light and the edge from `a` to `b` the ray runs: (a x b).ray.
@@ -95,49 +114,30 @@ fn dp_walk_beside(side: f32, a: vec3<f32>, b: vec3<f32>) -> f32 {
     return side * inverseSqrt(max(dot(ab, ab), 1e-30));
 }
 
-// How a step ends: the distance from the light at which a triangle crosses the ray, or one of these. The surface ends before
-// the ray, or has a hole there.
+// How a walk ends.
+struct DpWalkEnd {
+    // Distance from the light at which a triangle crosses the ray, or one of the constants below.
+    distance: f32,
+    // Of the edge where this ends, nearest to the ray: how far off it is, in pixels, in which direction of pixels that grows,
+    // and the edge's distance from the light.
+    pixels: f32,
+    direction: vec2<f32>,
+    depth: f32,
+}
+
+// The surface ends before the ray, or has a hole there.
 const DP_WALK_OFF: f32 = 0.0;
 // There is no answer.
 const DP_WALK_LOST: f32 = -1.0;
-// The walk goes on.
-const DP_WALK_ON: f32 = -2.0;
 
-// A walk on its way into the triangle beyond an edge, from p to q as the ray sees it.
-struct DpWalk {
-    // As mesh records have it, and the chunk that it is relative to with its place.
-    beyond: u32,
-    chunk: u32,
-    place: vec4<u32>,
-    // The triangle's front faces the light; walks go as if it faced away.
-    turned: bool,
-    // Steps that are left.
-    left: u32,
-    // DP_NO_VERTEX before the first step.
-    p_vertex: u32,
-    q_vertex: u32,
-    p: vec3<f32>,
-    q: vec3<f32>,
-    // How far the ray runs beyond the edge: (q x p).ray.
-    crossed: f32,
-}
-
-const DP_NO_VERTEX: u32 = 0xffffffffu;
-
-// A walk from a triangle. Casters that have changed since the map was made aren't those it shows.
-fn dp_walk_begin(number: u32, made: u32) -> DpWalk {
-    var walk: DpWalk;
-    walk.p_vertex = DP_NO_VERTEX;
-    walk.left = DP_WALK_STEPS + 1u;
-    walk.chunk = number >> 8u;
-    walk.beyond = DP_UNKNOWN;
-    if walk.chunk < arrayLength(&dp_chunks) {
-        walk.place = dp_chunk(walk.chunk);
-        if walk.place.z != 0u && walk.place.z <= made {
-            walk.beyond = (number & 0xffu) << 3u;
-        }
-    }
-    return walk;
+// An edge from `a` to `b` as a walk ends at it, by the side that the ray runs on.
+fn dp_walk_edge(frame: DpWalkFrame, a: vec3<f32>, b: vec3<f32>, side: f32) -> vec3<f32> {
+    // A step along the receiver moves the product with the plane's normal by so much.
+    let normal = vec2<f32>(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z);
+    let change = vec2<f32>(dot(normal, frame.across), dot(normal, frame.down));
+    let size = dot(change, change);
+    let inverse = inverseSqrt(max(size, 1e-37));
+    return vec3<f32>(select(frame.distance * side * inverse, 1e9, size < 1e-37), change * inverse);
 }
 
 // `k + by` among the numbers 0, 1 and 2.
@@ -151,92 +151,176 @@ fn dp_walk_corner(corners: u32, k: u32) -> u32 {
     return (corners >> (8u * k)) & 0xffu;
 }
 
-// One triangle on.
-fn dp_walk_step(walk: ptr<function, DpWalk>, frame: DpWalkFrame) -> f32 {
-    let beyond = (*walk).beyond;
-    if (beyond & 3u) == 3u || (*walk).left == 0u {
-        return select(DP_WALK_LOST, DP_WALK_OFF, beyond == DP_NOTHING);
+const DP_NO_VERTEX: u32 = 0xffffffffu;
+
+// Walks from a triangle over its neighbours towards the ray. Casters that have changed since the map was made aren't those it
+// shows.
+fn dp_walk_from(number: u32, made: u32, frame: DpWalkFrame) -> DpWalkEnd {
+    var end = DpWalkEnd(DP_WALK_LOST, 1e9, vec2<f32>(0.0), 0.0);
+    var chunk = number >> 8u;
+    if chunk >= arrayLength(&dp_chunks) {
+        return end;
     }
-    (*walk).left -= 1u;
-    let chunks = bitcast<i32>(beyond) >> 11u;
-    if chunks != 0 {
-        (*walk).chunk = u32(i32((*walk).chunk) + chunks);
-        (*walk).place = dp_chunk((*walk).chunk);
+    var place = dp_chunk(chunk);
+    if place.z == 0u || place.z > made {
+        return end;
     }
-    let place = (*walk).place;
-    let record = dp_mesh_record(place.y + ((beyond >> 3u) & 0xffu));
-    let entered = beyond & 3u;
-    let one = place.x + dp_walk_corner(record.x, entered);
-    let other = place.x + dp_walk_corner(record.x, dp_walk_turn(entered, 1u));
-    let n_vertex = place.x + dp_walk_corner(record.x, dp_walk_turn(entered, 2u));
-    var turned = (*walk).turned != ((beyond & 4u) != 0u);
-    let begins = (*walk).p_vertex == DP_NO_VERTEX;
-    var p_vertex = select(other, one, turned);
-    var q_vertex = select(one, other, turned);
-    var p = (*walk).p;
-    var q = (*walk).q;
-    var crossed = (*walk).crossed;
-    // The first triangle, another chunk's, or where a deforming mesh may have come apart.
-    if p_vertex != (*walk).p_vertex || q_vertex != (*walk).q_vertex {
-        p = dp_walk_see(frame, p_vertex);
-        q = dp_walk_see(frame, q_vertex);
-        crossed = dp_walk_side(q, p);
-    }
-    let n = dp_walk_see(frame, n_vertex);
-    var pn = dp_walk_side(p, n);
-    var nq = dp_walk_side(n, q);
-    var volume = q.z * pn + p.z * nq + n.z * crossed;
-    if begins && volume < 0.0 {
-        turned = !turned;
-        let end = p;
-        p = q;
-        q = end;
-        let end_vertex = p_vertex;
-        p_vertex = q_vertex;
-        q_vertex = end_vertex;
-        let side = pn;
-        pn = -nq;
-        nq = -side;
-        crossed = -crossed;
-        volume = -volume;
-    }
-    // It faces the other way: what is behind it the first texel didn't see.
-    if volume < 0.0 {
-        return DP_WALK_OFF;
-    }
-    if min(pn, nq) >= 0.0 && (crossed >= 0.0 || !begins) {
-        let sum = pn + nq + crossed;
-        if crossed < 0.0 || volume == 0.0 || sum <= 0.0 {
-            return DP_WALK_OFF;
+    // Into the triangle that lies beyond an edge, from p to q as the ray sees it, and runs so far beyond.
+    var beyond = (number & 0xffu) << 3u;
+    var p_vertex = DP_NO_VERTEX;
+    var q_vertex = DP_NO_VERTEX;
+    var p = vec3<f32>(0.0);
+    var q = vec3<f32>(0.0);
+    var crossed = 0.0;
+    // The triangle's front faces the light; walks go as if it faced away.
+    var turned = false;
+    for (var step = 0u; step <= DP_WALK_STEPS; step++) {
+        let chunks = bitcast<i32>(beyond) >> 11u;
+        if chunks != 0 {
+            chunk = u32(i32(chunk) + chunks);
+            place = dp_chunk(chunk);
         }
-        if (place.w & DP_MASKED) != 0u && dp_walk_is_hole(vec3<u32>(q_vertex, p_vertex, n_vertex), vec3<f32>(pn, nq, crossed)) {
-            return DP_WALK_OFF;
+        let record = dp_mesh_record(place.y + ((beyond >> 3u) & 0xffu));
+        let entered = beyond & 3u;
+        turned = turned != ((beyond & 4u) != 0u);
+        let one = place.x + dp_walk_corner(record.x, entered);
+        let other = place.x + dp_walk_corner(record.x, dp_walk_turn(entered, 1u));
+        let n_vertex = place.x + dp_walk_corner(record.x, dp_walk_turn(entered, 2u));
+        let p_here = select(other, one, turned);
+        let q_here = select(one, other, turned);
+        // The first triangle, another chunk's, or where a deforming mesh may have come apart.
+        if p_here != p_vertex || q_here != q_vertex {
+            p = dp_walk_see(frame, p_here);
+            q = dp_walk_see(frame, q_here);
+            p_vertex = p_here;
+            q_vertex = q_here;
+            crossed = dp_walk_side(q, p);
         }
-        return volume / sum;
+        let n = dp_walk_see(frame, n_vertex);
+        var pn = dp_walk_side(p, n);
+        var nq = dp_walk_side(n, q);
+        var volume = q.z * pn + p.z * nq + n.z * crossed;
+        let begins = step == 0u;
+        if begins && volume < 0.0 {
+            turned = true;
+            volume = -volume;
+            let swapped = p;
+            p = q;
+            q = swapped;
+            let swapped_vertex = p_vertex;
+            p_vertex = q_vertex;
+            q_vertex = swapped_vertex;
+            let side = pn;
+            pn = -nq;
+            nq = -side;
+            crossed = -crossed;
+        }
+        if begins {
+            end.distance = DP_WALK_OFF;
+        }
+        // It faces the other way: what is behind it the first texel didn't see.
+        if volume < 0.0 {
+            break;
+        }
+        if min(pn, nq) >= 0.0 && (crossed >= 0.0 || !begins) {
+            let sum = pn + nq + crossed;
+            if crossed < 0.0 || volume == 0.0 || sum <= 0.0 {
+                break;
+            }
+            end.distance = volume / sum;
+            var edge = dp_walk_edge(frame, q, p, crossed);
+            let edge_pn = dp_walk_edge(frame, p, n, pn);
+            let edge_nq = dp_walk_edge(frame, n, q, nq);
+            edge = select(edge, edge_pn, edge_pn.x < edge.x);
+            edge = select(edge, edge_nq, edge_nq.x < edge.x);
+            if (place.w & DP_MASKED) != 0u {
+                // Alpha at the ray, and at the next pixels.
+                let sides = vec3<f32>(pn, nq, crossed);
+                let vertices = vec3<u32>(q_vertex, p_vertex, n_vertex);
+                let normals = mat3x2<f32>(
+                    vec2<f32>(p.y * n.z - p.z * n.y, p.z * n.x - p.x * n.z),
+                    vec2<f32>(n.y * q.z - n.z * q.y, n.z * q.x - n.x * q.z),
+                    vec2<f32>(q.y * p.z - q.z * p.y, q.z * p.x - q.x * p.z),
+                );
+                let edge_mask = dp_walk_mask(frame, vertices, sides, normals);
+                if edge_mask.x < 0.0 {
+                    end.depth = end.distance;
+                    end.distance = DP_WALK_OFF;
+                    edge = -edge_mask;
+                }
+                edge = select(edge, edge_mask, edge_mask.x >= 0.0 && edge_mask.x < edge.x);
+            }
+            end.pixels = edge.x;
+            end.direction = edge.yz;
+            return end;
+        }
+        // Over the edge that the ray runs farthest beyond, but never back.
+        let over_pn = dp_walk_beside(pn, p, n);
+        let over_nq = dp_walk_beside(nq, n, q);
+        let first = over_pn < over_nq;
+        if begins && dp_walk_beside(crossed, q, p) < min(over_pn, over_nq) {
+            beyond = dp_walk_beyond(record, entered);
+            let swapped = p;
+            p = q;
+            q = swapped;
+            let swapped_vertex = p_vertex;
+            p_vertex = q_vertex;
+            q_vertex = swapped_vertex;
+            crossed = -crossed;
+        } else {
+            beyond = dp_walk_beyond(record, dp_walk_turn(entered, select(1u, 2u, first == turned)));
+            if first {
+                q = n;
+                q_vertex = n_vertex;
+                crossed = -pn;
+            } else {
+                p = n;
+                p_vertex = n_vertex;
+                crossed = -nq;
+            }
+        }
+        if (beyond & 3u) == 3u {
+            end.distance = select(DP_WALK_LOST, DP_WALK_OFF, beyond == DP_NOTHING);
+            break;
+        }
+        if step == DP_WALK_STEPS {
+            end.distance = DP_WALK_LOST;
+        }
     }
-    // Over the edge that the ray runs farthest beyond, but never back.
-    let over_pn = dp_walk_beside(pn, p, n);
-    let over_nq = dp_walk_beside(nq, n, q);
-    let back = begins && dp_walk_beside(crossed, q, p) < min(over_pn, over_nq);
-    let first = over_pn < over_nq;
-    let edge = dp_walk_turn(entered, select(select(1u, 2u, first == turned), 0u, back));
-    (*walk).beyond = select(select(record.w, record.z, edge == 1u), record.y, edge == 0u);
-    (*walk).turned = turned;
-    // From p to n, from n to q, or back from q to p.
-    (*walk).p_vertex = select(select(n_vertex, p_vertex, first), q_vertex, back);
-    (*walk).q_vertex = select(select(q_vertex, n_vertex, first), p_vertex, back);
-    (*walk).p = select(select(n, p, first), q, back);
-    (*walk).q = select(select(q, n, first), p, back);
-    (*walk).crossed = -select(select(nq, pn, first), crossed, back);
-    return DP_WALK_ON;
+    // Over the edge from p to q.
+    let edge = dp_walk_edge(frame, q, p, crossed);
+    let along = q.xy - p.xy;
+    let share = clamp(-dot(p.xy, along) / max(dot(along, along), 1e-30), 0.0, 1.0);
+    end.pixels = edge.x;
+    end.direction = edge.yz;
+    end.depth = mix(p.z, q.z, share);
+    return end;
 }
 
-// Whether a masked triangle has a hole where the ray runs, by the sides of the edges opposite to its vertices.
-fn dp_walk_is_hole(vertices: vec3<u32>, sides: vec3<f32>) -> bool {
+// What lies beyond the edge `k`.
+fn dp_walk_beyond(record: vec4<u32>, k: u32) -> u32 {
+    return select(select(record.w, record.z, k == 1u), record.y, k == 0u);
+}
+
+// Where a masked triangle ends at a hole, or the hole at the triangle, in which it is negative: as `dp_walk_edge`, by the
+// triangle's vertices, the sides of the edges opposite to them and the normals of their planes.
+fn dp_walk_mask(frame: DpWalkFrame, vertices: vec3<u32>, sides: vec3<f32>, normals: mat3x2<f32>) -> vec3<f32> {
     let a = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.x).w));
     let b = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.y).w));
     let c = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.z).w));
-    return dp_is_hole(a, b, c, sides * (1.0 / (sides.x + sides.y + sides.z)));
+    let beside = 1.0 / frame.distance;
+    var alphas = vec3<f32>(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        let step = select(select(frame.down, frame.across, k == 1u), vec2<f32>(0.0), k == 0u) * beside;
+        let shares = sides + step * normals;
+        let alpha = dp_mask_margin(a, b, c, shares * (1.0 / (shares.x + shares.y + shares.z)));
+        alphas = select(alphas, vec3<f32>(alpha), vec3<u32>(0u, 1u, 2u) == vec3<u32>(k));
+    }
+    let change = alphas.yz - alphas.x;
+    let size = dot(change, change);
+    let inverse = inverseSqrt(max(size, 1e-30));
+    let far = select(1e9, -1e9, alphas.x < 0.0);
+    return vec3<f32>(select(alphas.x * inverse, far, size < 1e-30), change * inverse);
 }
 
 // What is known of a receiver whose texels disagree.
@@ -333,10 +417,10 @@ fn dp_walk_least(triangles: vec4<u32>) -> u32 {
     return min(min(triangles.x, triangles.y), min(triangles.z, triangles.w));
 }
 
-// What a receiver's triangles answer over a pixel, of whose points none is asked for farther away than `most`. At each point
-// each triangle is asked once, first the leading one, then in the order of their numbers: any that is in the way makes it
-// dark, else the receiver's own surface lit, else the votes decide. One loop goes through points, triangles and steps, so that
-// no pixel of a group waits for another's walk to end.
+// What a receiver's triangles answer over a pixel whose steps are no longer than `most`. At its middle each triangle is asked
+// once, first the leading one, then in the order of their numbers: any that is in the way makes it dark, else the receiver's
+// own surface lit, else the votes decide. Edges of what is in the way are as wide as a pixel: half of that lies in the light,
+// where walks have ended at the edge, and half in the dark, where the point half a pixel farther out is asked.
 fn dp_walk_pixel(
     light: u32,
     position: vec3<f32>,
@@ -350,82 +434,53 @@ fn dp_walk_pixel(
     if lead == DP_NO_TRIANGLE {
         return select(quad.votes, 1.0, quad.own_seen && !quad.lost);
     }
-    let across = dp_walk_within(normal, pixel[0], most);
-    let down = dp_walk_within(normal, pixel[1], most);
-    let is_point = dot(across, across) + dot(down, down) == 0.0;
-    let count = select(DP_PIXEL_POINTS, 1u, is_point);
-    let centre = dp_lights[light].position;
-    var k = 0u;
-    var sum = 0.0;
-    var aside = dp_walk_aside(across, down, k);
-    var point = dp_walk_point(centre, position + aside);
-    var own = quad.own_seen;
-    var lost = quad.lost;
-    var triangle = lead;
-    var rest = quad.triangles;
-    var walk = dp_walk_begin(triangle, quad.made);
-    loop {
-        let end = dp_walk_step(&walk, point.frame);
-        if end == DP_WALK_ON {
-            continue;
-        }
-        var answer = -1.0;
-        if end > 0.0 && end >= quad.nearest {
-            let margin = point.distance / end - 1.0;
-            // Beyond a crease the receiver's plane runs under the next surface.
-            if margin > quad.over + first.grazing * length(aside) / point.distance {
-                answer = 0.0;
-            }
-            own = own || margin > quad.own;
-        } else if end < 0.0 {
-            let here = dp_walk_bits(quad.triangles == vec4<u32>(triangle));
-            lost = lost || (here & quad.dark) != 0u;
-            own = own || (here & quad.level) != 0u;
-        }
-        rest = select(rest, vec4<u32>(DP_NO_TRIANGLE), rest == vec4<u32>(triangle));
-        triangle = dp_walk_least(rest);
-        if answer < 0.0 && triangle == DP_NO_TRIANGLE {
-            answer = select(quad.votes, 1.0, own && !lost);
-        }
-        if answer >= 0.0 {
-            sum += answer;
-            k++;
-            // Of the first three, if they agree, so will the others.
-            if k == count || (k == 3u && (sum == 0.0 || sum == 3.0)) {
-                break;
-            }
-            aside = dp_walk_aside(across, down, k);
-            point = dp_walk_point(centre, position + aside);
-            own = quad.own_seen;
-            lost = quad.lost;
-            triangle = lead;
-            rest = quad.triangles;
-        }
-        walk = dp_walk_begin(triangle, quad.made);
-    }
-    return min(sum / f32(k), 1.0);
-}
-
-// A point of a pixel as walks go there.
-struct DpWalkPoint {
-    frame: DpWalkFrame,
-    distance: f32,
-}
-
-fn dp_walk_point(light: vec3<f32>, position: vec3<f32>) -> DpWalkPoint {
-    let relative = position - light;
+    let relative = position - dp_lights[light].position;
     let distance = length(relative);
-    return DpWalkPoint(dp_walk_frame(light, relative * (1.0 / distance)), distance);
-}
-
-// Where a point of a pixel lies from its middle: on a hexagon, the first three on a triangle, so that no edge through the
-// middle goes past all of them.
-fn dp_walk_aside(across: vec3<f32>, down: vec3<f32>, k: u32) -> vec3<f32> {
-    let sign = select(1.0, -1.0, k >= 3u);
-    let third = select(k, k - 3u, k >= 3u);
-    let x = select(select(-0.109, -0.297, third == 1u), 0.406, third == 0u);
-    let y = select(select(-0.406, 0.297, third == 1u), 0.109, third == 0u);
-    return (across * x + down * y) * sign;
+    var frame = dp_walk_frame(dp_lights[light].position, relative * (1.0 / distance), distance);
+    frame.across = dp_walk_flat(frame, dp_walk_within(normal, pixel[0], most));
+    frame.down = dp_walk_flat(frame, dp_walk_within(normal, pixel[1], most));
+    var over = quad.over;
+    var middle = 0.5;
+    for (var k = 0u; k < 2u; k++) {
+        var own = quad.own_seen;
+        var lost = quad.lost;
+        var lit = 1.0;
+        var blocked = false;
+        var edge = vec3<f32>(0.0);
+        var rest = quad.triangles;
+        var triangle = lead;
+        while triangle != DP_NO_TRIANGLE {
+            rest = select(rest, vec4<u32>(DP_NO_TRIANGLE), rest == vec4<u32>(triangle));
+            let end = dp_walk_from(triangle, quad.made, frame);
+            if end.distance > 0.0 && end.distance >= quad.nearest {
+                let margin = distance / end.distance - 1.0;
+                if margin > over {
+                    blocked = true;
+                    edge = vec3<f32>(end.pixels, end.direction);
+                    break;
+                }
+                own = own || margin > quad.own;
+            } else if end.distance < 0.0 {
+                let here = dp_walk_bits(quad.triangles == vec4<u32>(triangle));
+                lost = lost || (here & quad.dark) != 0u;
+                own = own || (here & quad.level) != 0u;
+            } else if end.depth >= quad.nearest && distance > end.depth * (1.0 + over) {
+                lit = min(lit, saturate(middle + end.pixels));
+            }
+            triangle = dp_walk_least(rest);
+        }
+        if !blocked {
+            return min(lit, select(quad.votes, 1.0, own && !lost));
+        }
+        if edge.x >= 0.5 {
+            break;
+        }
+        frame = dp_walk_frame_aside(frame, -0.5 * edge.yz);
+        middle = 0.0;
+        // Beyond a crease the receiver's plane runs under the next surface.
+        over += first.grazing * length(frame.across * edge.y + frame.down * edge.z) / distance;
+    }
+    return 0.0;
 }
 
 // A step on the receiver's plane of `most` at most.

@@ -37,6 +37,11 @@ fn dp_mask(place: u32) -> DpMask {
 
 // Whether the triangle of three vertices has a hole where these are its corners' shares.
 fn dp_is_hole(a: DpMaskVertex, b: DpMaskVertex, c: DpMaskVertex, shares: vec3<f32>) -> bool {
+    return dp_mask_margin(a, b, c, shares) < 0.0;
+}
+
+// By how much alpha is above the cutoff there, in 255ths.
+fn dp_mask_margin(a: DpMaskVertex, b: DpMaskVertex, c: DpMaskVertex, shares: vec3<f32>) -> f32 {
     let coordinates = a.coordinates * shares.x + b.coordinates * shares.y + c.coordinates * shares.z;
     let mask = dp_mask(a.mask);
     let modes = vec2<u32>(mask.address_modes & 3u, mask.address_modes >> 2u);
@@ -51,7 +56,7 @@ fn dp_is_hole(a: DpMaskVertex, b: DpMaskVertex, c: DpMaskVertex, shares: vec3<f3
     let share = at - low;
     let upper = dp_between(dp_alpha(mask, left, above), dp_alpha(mask, right, above), share.x);
     let lower = dp_between(dp_alpha(mask, left, below), dp_alpha(mask, right, below), share.x);
-    return dp_between(upper, lower, share.y) < mask.cutoff;
+    return dp_between(upper, lower, share.y) - mask.cutoff;
 }
 
 // Keeps the bits of `a` where `b` is the same, so that an even alpha is on one side of the cutoff.
