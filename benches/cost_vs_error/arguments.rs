@@ -9,6 +9,7 @@ use dual_paraboloid::compare::scene::{SceneError, scene_files, scenes_dir};
 use dual_paraboloid::compare::text::parse_size;
 use dual_paraboloid::compare::timing::Clock;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Cost against error: this library and other ways to make a point light's shadow map.
 #[derive(Parser)]
@@ -51,8 +52,8 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     pub runs: u32,
     /// How long that may take for each scene and resolution; then there are fewer runs, but at least five
-    #[arg(long, value_name = "SECONDS", default_value_t = 3)]
-    pub seconds: u32,
+    #[arg(long, value_name = "SECONDS", default_value = "3", value_parser = parse_seconds)]
+    pub seconds: Duration,
     /// Write to a folder: tables, pictures, and the figures of each scene as soon as they are there
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -66,6 +67,11 @@ pub struct Arguments {
     /// What cargo says to a benchmark.
     #[arg(long, hide = true)]
     bench: bool,
+}
+
+fn parse_seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    seconds.ok_or_else(|| format!("{text:?} is no number of seconds"))
 }
 
 impl Arguments {

@@ -89,7 +89,7 @@ fn plan(arguments: &Arguments, gpu: &Gpu) -> (Plan, Vec<String>) {
         methods,
         main: main_resolution(&arguments.resolution),
         runs: arguments.runs as usize,
-        most: Duration::from_secs(arguments.seconds.into()),
+        most: arguments.seconds,
     };
     (plan, left_out.collect())
 }

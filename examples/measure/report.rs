@@ -114,10 +114,12 @@ fn shadow_lines(line: Line) {
     let ideal = |one: &Measured| one.ideal;
     line("shadow: samples", &|one| Some(grouped(shadow(one)?.samples)));
     line("  truly lit, %", &|one| Some(format!("{:.1}", 100.0 * shadow(one)?.lit_fraction)));
+    line("  on backs, %", &|one| Some(format!("{:.1}", 100.0 * shadow(one)?.back_fraction)));
     line("  wrong, ppm", &|one| Some(ppm(shadow(one)?.wrong_ppm)));
     line("    leaks", &|one| Some(ppm(shadow(one)?.leak_ppm)));
     line("    false shadows", &|one| Some(ppm(shadow(one)?.false_shadow_ppm)));
     line("    far from a boundary", &|one| Some(ppm(shadow(one)?.far_wrong_ppm)));
+    line("    on fronts", &|one| Some(ppm(shadow(one)?.wrong_front_ppm)));
     line("  wrong by energy, ppm", &|one| Some(ppm(shadow(one)?.wrong_energy_ppm)));
     line("  wrong pixels, ppm", &|one| Some(ppm(one.pixels?.pixels.wrong_ppm)));
     line("    asked as points", &|one| Some(ppm(one.pixels?.points.wrong_ppm)));

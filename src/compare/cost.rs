@@ -121,7 +121,9 @@ pub struct LookupCost {
     pub lookup: Lookup,
     /// Wrong answers, in parts per million, over all orientations of the maps.
     pub wrong_ppm: f64,
-    /// The same of each orientation.
+    /// The same on fronts alone, without the backs of double-sided surfaces.
+    pub wrong_front_ppm: f64,
+    /// Wrong answers of each orientation.
     pub wrong_ppm_by_orientation: Vec<f64>,
     /// Receivers that were asked in each orientation.
     pub samples: usize,

@@ -439,6 +439,23 @@ mod tests {
         assert_eq!((truth.disagree_ppm(&right, &some), truth.disagree_ppm(&some, &some)), (1e7 / 2000.0, 0.0));
     }
 
+    /// Of a sheet that shows the lamp its back, over a floor: what is wrong there alone is not wrong on fronts.
+    #[test]
+    fn fronts_are_told_from_backs() {
+        let truth = truth(false, true, Sides::Auto, 1.0);
+        let on_back = |receiver: usize| truth.receivers[receiver].triangle >= 2;
+        let backs = share(&truth, |receiver| truth.counts()[receiver] && on_back(receiver));
+        let answers = |wrong: &dyn Fn(usize) -> bool| -> Vec<f32> {
+            (0..truth.lit.len()).map(|i| f32::from(u8::from(truth.lit[i] != wrong(i)))).collect()
+        };
+        let error = truth.judge(&answers(&on_back));
+        let counted = truth.counted() as f64 / truth.lit.len() as f64;
+        assert!(backs > 0.2 && (error.back_fraction - backs / counted).abs() < 1e-9, "{backs} {error:?}");
+        assert!(error.wrong_ppm > 2e5 && error.wrong_front_ppm == 0.0, "{error:?}");
+        let error = truth.judge(&answers(&|receiver| !on_back(receiver)));
+        assert!(error.wrong_ppm < 9e5 && error.wrong_front_ppm == 1e6, "{error:?}");
+    }
+
     #[test]
     fn a_turned_truth_is_the_same_truth() {
         let truth = truth(true, false, Sides::Auto, 1.0);

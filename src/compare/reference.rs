@@ -15,7 +15,7 @@
 use bvh::aabb::{Aabb, Bounded};
 use bvh::bounding_hierarchy::{BHShape, BoundingHierarchy};
 use bvh::bvh::{Bvh, BvhNode};
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3A};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -323,13 +323,13 @@ struct Ray {
     origin: DVec3,
     direction: DVec3,
     /// The origin for boxes, if it isn't zero.
-    start: Option<Vec3>,
-    inverse: Vec3,
+    start: Option<Vec3A>,
+    inverse: Vec3A,
 }
 
 impl Ray {
     fn new(origin: DVec3, direction: DVec3) -> Self {
-        let start = (origin != DVec3::ZERO).then(|| origin.as_vec3());
+        let start = (origin != DVec3::ZERO).then(|| origin.as_vec3a());
         Self { origin, direction, start, inverse: finite_inverse(direction) }
     }
 }
@@ -391,8 +391,8 @@ fn one_sign_within_rounding(products: [f64; 3], corners: &[DVec3; 3]) -> bool {
 }
 
 /// Componentwise inverse of a direction, with infinity replaced by a number that can still be multiplied by zero.
-fn finite_inverse(direction: DVec3) -> Vec3 {
-    direction.as_vec3().map(
+fn finite_inverse(direction: DVec3) -> Vec3A {
+    direction.as_vec3a().map(
         |component| {
             if component.abs() < 1e-30 { 1e30_f32.copysign(component) } else { 1.0 / component }
         },
@@ -411,14 +411,14 @@ struct Node {
 /// An axis-aligned box in single precision, rounded outward.
 #[derive(Clone, Copy)]
 struct Bounds {
-    min: Vec3,
-    max: Vec3,
+    min: Vec3A,
+    max: Vec3A,
 }
 
 impl Bounds {
     fn new(bounds: &Aabb<f64, 3>) -> Self {
         let corner =
-            |point: &Point3<f64>, round: fn(f64) -> f32| Vec3::new(round(point.x), round(point.y), round(point.z));
+            |point: &Point3<f64>, round: fn(f64) -> f32| Vec3A::new(round(point.x), round(point.y), round(point.z));
         Self { min: corner(&bounds.min, round_down), max: corner(&bounds.max, round_up) }
     }
 
@@ -426,6 +426,7 @@ impl Bounds {
     ///
     /// That rays start at the origin is what makes single precision enough: each bound is one product, without
     /// cancellation. For others the box is wider by the rounding of the difference.
+    #[inline]
     fn entry(&self, ray: &Ray, t_max: f64) -> Option<f32> {
         let inverse = ray.inverse;
         let (one, other) = match ray.start {

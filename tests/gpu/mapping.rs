@@ -139,6 +139,7 @@ fn unproject_inverts_project() {
 
 #[test]
 fn a_plane_is_a_quadratic() {
+    let mut compared = 0;
     for (x, n) in points().iter().zip(points().iter().rev()) {
         let (x, n) = (x.as_dvec3(), n.as_dvec3());
         let distance = n.dot(x);
@@ -146,12 +147,15 @@ fn a_plane_is_a_quadratic() {
             let depth = double::plane_depth(n, distance, double::project(x), 0.01);
             let expected = double::depth(x, 0.01);
             assert!((depth - expected).abs() < 1e-9 * expected, "{depth} is not {expected}");
+            compared += 1;
         }
     }
+    assert!(2 * compared > COUNT, "{compared} planes of {COUNT}");
 }
 
 #[test]
 fn an_edge_is_a_circle() {
+    let mut compared = 0;
     for (a, b) in edges() {
         let (a, b) = (double::unproject(a.as_dvec2()), double::unproject(b.as_dvec2()));
         if a.distance(b) < 1e-3 || a.angle_between(b) > 3.0 {
@@ -163,8 +167,10 @@ fn an_edge_is_a_circle() {
             let p = double::project(a.lerp(b, share));
             let off = (p.distance(centre) - radius).abs();
             assert!(radius > 1e3 || off < 1e-9 * radius, "{p} of the edge is off its circle by {off}");
+            compared += usize::from(radius <= 1e3);
         }
     }
+    assert!(compared > COUNT, "{compared} points of {COUNT} edges");
 }
 
 #[test]
@@ -188,7 +194,7 @@ fn the_disc_integrates_to_a_hemisphere() {
 
 #[test]
 fn no_edge_within_the_angle_limit_bends_more_than_the_tolerance() {
-    let mut rng = Pcg64::seed_from_u64(3);
+    let (mut rng, mut compared) = (Pcg64::seed_from_u64(3), 0);
     for _ in 0..COUNT {
         let texels = 32.0 * 64f64.powf(f64::from(unit(&mut rng)));
         let tolerance = 0.01 + 0.99 * f64::from(unit(&mut rng));
@@ -207,6 +213,8 @@ fn no_edge_within_the_angle_limit_bends_more_than_the_tolerance() {
             let half = 0.5 * p.distance(b);
             let gap = half * half / (radius + (radius * radius - half * half).sqrt()) * texels;
             assert!(gap <= tolerance * 1.1, "a gap of {gap} texels for a tolerance of {tolerance}");
+            compared += 1;
         }
     }
+    assert!(2 * compared > COUNT, "{compared} of {COUNT} edges are in the disc");
 }

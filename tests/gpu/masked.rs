@@ -228,15 +228,6 @@ fn meshes_come_and_go() {
     assert!(casters.memory() < 1_000_000, "{} bytes for one texture", casters.memory());
 }
 
-/// The depths of two maps at each texel that both show something at, and at its eight neighbours.
-fn away_from_empty_ones([a, b]: &[Map; 2]) -> Vec<[f32; 2]> {
-    let row = 2 * a.resolution as usize;
-    let shows = |at: usize| a.depth[at] > 0.0 && b.depth[at] > 0.0;
-    let around = |at: usize| [at - row, at, at + row].into_iter().flat_map(|middle| middle - 1..=middle + 1);
-    let inner = (row + 1..a.depth.len() - row - 1).filter(|&at| around(at).all(shows));
-    inner.map(|at| [a.depth[at], b.depth[at]]).collect()
-}
-
 /// An instance that mirrors its mesh shows what a mesh of the mirrored positions does.
 #[test]
 fn mirrored_instances() {
@@ -254,11 +245,10 @@ fn mirrored_instances() {
         });
         let shown = maps[0].discs().filter(|texel| texel.depth > 0.0).count();
         assert!(shown > 1000, "{sides:?}: {shown} texels");
-        // The order of a triangle's corners decides where it is cut, and so what a texel beside an empty one shows.
-        let texels = away_from_empty_ones(&maps);
-        assert!(texels.len() > shown / 4, "{sides:?}: {} of {shown} texels", texels.len());
-        let differ = texels.iter().filter(|[a, b]| (a - b).abs() > 0.02 * a).count();
-        assert_eq!(differ, 0, "{sides:?}: of {} texels", texels.len());
+        // The alpha of a texel's centre may round to either side of the cutoff.
+        let differ = maps[0].depth.iter().zip(&maps[1].depth).filter(|(a, b)| (*a - *b).abs() > 1e-6 * a.max(**b));
+        let differ = differ.count();
+        assert!(differ <= shown / 1000, "{sides:?}: {differ} of {shown} texels");
         mirrored.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|corners| corners.swap(1, 2));
     }
 }

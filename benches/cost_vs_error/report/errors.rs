@@ -4,7 +4,7 @@ use super::{error_cells, or_dash, ppm, rivals, title};
 use crate::figures::{Figures, contestants};
 use dual_paraboloid::compare::baselines::Budget;
 use dual_paraboloid::compare::cost::{
-    Contestant, ERROR_FLOOR_PPM, ErrorRatios, Origin, OwnErrors, OwnLookup, Rule, SceneCosts, error_ratio,
+    Contestant, ERROR_FLOOR_PPM, ErrorRatios, LookupCost, Origin, OwnErrors, OwnLookup, Rule, SceneCosts, error_ratio,
 };
 use dual_paraboloid::compare::text::{Table, grouped};
 use std::fmt::Write;
@@ -17,6 +17,11 @@ const RIVALS_LEGEND: &str = "\
 Wrong answers over all orientations. Every bias of the other methods that can be chosen is the best for the scene and the \
 resolution; `shipped` are engines' defaults. Cubes have as many texels as the pair. Scenes are without their holes, of \
 which the others know nothing.";
+
+const FRONTS_LEGEND: &str = "\
+Only scenes where receivers lie on backs of double-sided surfaces. A file that marks all of its materials double-sided \
+makes a renderer light the insides of its solids too; those of closed pieces don't count, but a piece with a gap has \
+no inside.";
 
 const OWN_LEGEND: &str = "\
 *Ideal* is the frozen lookup `votes-v1` on a ray-cast map, *rule* this library's exact lookup there, in double precision; *disagree*: where lookup and ideal decide differently; \
@@ -53,9 +58,21 @@ pub fn errors(figures: &Figures) -> String {
          *pooled* is sum over sum, the scenes `dense-*` count as one. {LEGEND}\n"
     );
     for (origin, scenes) in &groups {
-        let _ = write!(text, "\n## Wrong answers of all methods, {}\n\n{}", title(*origin), compared(scenes, &of.own));
+        let _ = write!(
+            text,
+            "\n## Wrong answers of all methods, {}\n\n{}",
+            title(*origin),
+            compared(scenes, &of.own, |of| of.wrong_ppm)
+        );
     }
     let _ = write!(text, "\n{RIVALS_LEGEND}\n");
+    for (origin, scenes) in &groups {
+        let with_backs: Vec<&SceneCosts> = scenes.iter().copied().filter(|costs| has_backs(costs)).collect();
+        if !with_backs.is_empty() {
+            let table = compared(&with_backs, &of.own, |of| of.wrong_front_ppm);
+            let _ = write!(text, "\n## The same on fronts alone, {}\n\n{table}\n{FRONTS_LEGEND}\n", title(*origin));
+        }
+    }
     for (origin, scenes) in &groups {
         let _ = write!(text, "\n## This library and what its maps allow, {}\n\n{}", title(*origin), own(scenes));
     }
@@ -76,17 +93,21 @@ fn ratios(scenes: &[&SceneCosts], resolutions: &[u32]) -> Table {
     table
 }
 
+/// Whether any receiver is on the back of a double-sided surface.
+fn has_backs(costs: &SceneCosts) -> bool {
+    costs.own.iter().flat_map(|errors| &errors.lookups).any(|of| of.shadow.back_fraction > 0.0)
+}
+
 /// Wrong answers of all methods, a line for each scene and resolution.
-fn compared(scenes: &[&SceneCosts], resolutions: &[u32]) -> Table {
+fn compared(scenes: &[&SceneCosts], resolutions: &[u32], wrong_ppm: fn(&LookupCost) -> f64) -> Table {
     let all = contestants(scenes);
     let names: Vec<String> = all.iter().map(|of| of.name()).collect();
     let head = ["scene", "triangles", "R"].into_iter().chain(names.iter().map(String::as_str));
     let mut table = Table::new(&head.collect::<Vec<_>>());
     for costs in scenes {
         for &resolution in resolutions {
-            let wrong = |of: &Contestant| {
-                costs.find(of.method, Budget::EqualTexels, resolution).and_then(|cost| cost.wrong_ppm(of.lookup))
-            };
+            let wrong =
+                |of: &Contestant| costs.find(of.method, Budget::EqualTexels, resolution)?.of(of.lookup).map(wrong_ppm);
             let cells = all.iter().map(|of| or_dash(wrong(of).map(ppm)));
             table.row(place(costs, resolution).into_iter().chain(cells));
         }

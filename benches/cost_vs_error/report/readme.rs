@@ -74,14 +74,11 @@ fn wrong(scenes: &[&SceneCosts], main: u32, pair: fn(&SceneCosts, Contestant, u3
 
 /// Wrong answers of this library and of the best of each kind of rival; then this library with the scene's holes.
 fn by_scene(scenes: &[&SceneCosts], main: u32) -> Table {
-    let own = Method::Paraboloid.lookups().iter().map(|&lookup| Contestant { method: Method::Paraboloid, lookup });
-    let others = [
-        (Method::CubeCompute, Lookup::CubeWalk),
-        (Method::Cube, Lookup::CubePlane),
-        (Method::Cube, Lookup::CubeHardware),
-        (Method::VertexWarp, Lookup::VertexWarp),
-    ];
-    let shown: Vec<Contestant> = own.chain(others.map(|(method, lookup)| Contestant { method, lookup })).collect();
+    let computed = [Method::Paraboloid, Method::CubeCompute].into_iter();
+    let all = |method: Method| method.lookups().iter().map(move |&lookup| Contestant { method, lookup });
+    let others = [(Method::Cube, Lookup::CubeHardware), (Method::VertexWarp, Lookup::VertexWarp)];
+    let others = others.map(|(method, lookup)| Contestant { method, lookup });
+    let shown: Vec<Contestant> = computed.flat_map(all).chain(others).collect();
     let names: Vec<String> = shown.iter().map(|of| name(*of)).collect();
     let mut head = vec!["scene", "triangles"];
     head.extend(names.iter().map(String::as_str));

@@ -28,6 +28,8 @@ pub fn orientations(count: usize, seed: u64) -> Vec<Quat> {
 pub struct TurnedErrors {
     /// Wrong answers of each orientation, in parts per million.
     pub wrong_ppm: Vec<f64>,
+    /// The same on fronts alone, without the backs of double-sided surfaces.
+    pub wrong_front_ppm: Vec<f64>,
     /// The bias that was found best in the first one, for all; `None` of lookups whose bias is fixed.
     pub bias: Option<Bias>,
 }
@@ -36,8 +38,18 @@ impl TurnedErrors {
     /// Wrong answers over all orientations, in parts per million: as many receivers were asked in each.
     #[must_use]
     pub fn mean(&self) -> f64 {
-        self.wrong_ppm.iter().sum::<f64>() / self.wrong_ppm.len().max(1) as f64
+        mean(&self.wrong_ppm)
     }
+
+    /// [`Self::mean`] on fronts alone.
+    #[must_use]
+    pub fn front_mean(&self) -> f64 {
+        mean(&self.wrong_front_ppm)
+    }
+}
+
+fn mean(ppm: &[f64]) -> f64 {
+    ppm.iter().sum::<f64>() / ppm.len().max(1) as f64
 }
 
 /// Asks all of a method's lookups in maps of all `orientations`, of which the first is that of the judge's light.
@@ -52,14 +64,17 @@ pub fn turned_errors(
 ) -> Result<Vec<(Lookup, TurnedErrors)>, Error> {
     let lookups = baseline.method().lookups();
     let biases = judge.fit(baseline, lookups, scene)?;
-    let without = |(&lookup, bias)| (lookup, TurnedErrors { wrong_ppm: Vec::new(), bias });
+    let without = |(&lookup, bias)| (lookup, TurnedErrors { wrong_ppm: Vec::new(), wrong_front_ppm: Vec::new(), bias });
     let mut all: Vec<(Lookup, TurnedErrors)> = lookups.iter().zip(biases).map(without).collect();
     for (number, &orientation) in orientations.iter().enumerate() {
         if number > 0 {
             judge.record(baseline, scene, orientation)?;
         }
         for (lookup, errors) in &mut all {
-            errors.wrong_ppm.extend(judge.wrong_ppm(baseline, *lookup));
+            if let Some([all, fronts]) = judge.wrong_ppm(baseline, *lookup) {
+                errors.wrong_ppm.push(all);
+                errors.wrong_front_ppm.push(fronts);
+            }
         }
     }
     Ok(all)

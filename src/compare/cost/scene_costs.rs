@@ -226,6 +226,7 @@ mod tests {
         let lookup = |&lookup: &Lookup| LookupCost {
             lookup,
             wrong_ppm,
+            wrong_front_ppm: wrong_ppm,
             wrong_ppm_by_orientation: vec![wrong_ppm],
             samples: 1_000_000,
             bias: None,

@@ -133,6 +133,7 @@ impl Subject<'_, '_> {
         let cost = |(lookup, errors): (Lookup, TurnedErrors)| LookupCost {
             lookup,
             wrong_ppm: errors.mean(),
+            wrong_front_ppm: errors.front_mean(),
             wrong_ppm_by_orientation: errors.wrong_ppm,
             samples,
             bias: errors.bias,

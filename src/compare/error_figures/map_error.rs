@@ -396,7 +396,8 @@ mod tests {
         let json = serde_json::to_value(MapError::default()).expect("plain numbers");
         let mut keys: Vec<_> = json.as_object().expect("a struct").keys().collect();
         keys.sort();
-        let expected = "depth_error_max depth_error_median depth_error_p99 holes phantoms texels wrong_surface_ppm";
+        let expected =
+            "depth_error_max depth_error_median depth_error_p99 holes phantoms strays texels wrong_surface_ppm";
         assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
     }
 }

@@ -567,8 +567,8 @@ mod tests {
         let json = serde_json::to_value(ShadowReport::default()).expect("plain numbers");
         let mut keys: Vec<_> = json.as_object().expect("a struct").keys().collect();
         keys.sort();
-        let expected =
-            "false_shadow_ppm far_wrong_ppm ideal_wrong_ppm leak_ppm lit_fraction samples wrong_energy_ppm wrong_ppm";
+        let expected = "back_fraction false_shadow_ppm far_wrong_ppm ideal_wrong_ppm leak_ppm lit_fraction samples \
+                        wrong_energy_ppm wrong_front_ppm wrong_ppm";
         assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
     }
 }

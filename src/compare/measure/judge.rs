@@ -3,14 +3,14 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use rayon::prelude::*;
 
 use super::Truth;
 use super::bias::{Grid, Score};
 use crate::compare::baselines::{Baseline, Bias, DeviceScene, Lookup, Method};
 use crate::compare::error_figures::{
-    FilterError, MapError, ShadowError, distance_to_triangle, filter_error, map_error, per_million,
+    FilterError, MapError, Receiver, ShadowError, distance_to_triangle, filter_error, map_error, per_million,
 };
 use crate::compare::gpu::{Evaluator, Gpu};
 use crate::compare::ideal::{IdealMap, MapGeometry};
@@ -52,8 +52,8 @@ pub struct Judge<'a> {
     light: PointLight,
     truth: &'a Truth,
     inputs: Vec<(Vec3, Vec3)>,
-    /// Whether the light reaches those that count, of all and of the sample.
-    expected: [Vec<Option<bool>>; 2],
+    /// Whether the light reaches those that count: of all, of the sample, and of those on fronts.
+    expected: [Vec<Option<bool>>; 3],
     /// Those that were needed so far: all maps that a lookup reads are bound alike.
     evaluators: HashMap<(Lookup, Asked), Evaluator>,
     /// Those that were found so far, by the method whose map is the same and the map's width.
@@ -75,7 +75,10 @@ impl<'a> Judge<'a> {
         let all: Vec<Option<bool>> =
             truth.counts().iter().zip(&truth.lit).map(|(of, lit)| of.then_some(*lit)).collect();
         let sample = all.iter().copied().step_by(Asked::Sample.step(all.len())).collect();
-        let (inputs, expected) = (truth.inputs(), [all, sample]);
+        let on_front = |receiver: &Receiver| truth.reference.shows_front(receiver.triangle, DVec3::ZERO);
+        let fronts = truth.receivers.par_iter().zip(&all).map(|(receiver, lit)| lit.filter(|_| on_front(receiver)));
+        let fronts = fronts.collect();
+        let (inputs, expected) = (truth.inputs(), [all, sample, fronts]);
         Self { gpu, light, truth, inputs, expected, evaluators: HashMap::new(), biases: HashMap::new() }
     }
 
@@ -174,11 +177,17 @@ impl<'a> Judge<'a> {
         self.gpu.submit(|encoder| baseline.record(device, queue, encoder, scene, &light))
     }
 
-    /// Wrong answers of a lookup in a map as it is, as [`Truth::wrong_ppm`] has them. `None` for a lookup that doesn't
-    /// read the map.
-    pub fn wrong_ppm(&mut self, baseline: &Baseline, lookup: Lookup) -> Option<f64> {
-        let score = self.score(baseline, lookup, Asked::All)?;
-        Some(per_million(score.wrong, self.truth.counted()))
+    /// Wrong answers of a lookup in a map as it is, as [`Truth::wrong_ppm`] has them, and the same on fronts alone, without
+    /// the backs of double-sided surfaces. `None` for a lookup that doesn't read the map.
+    pub fn wrong_ppm(&mut self, baseline: &Baseline, lookup: Lookup) -> Option<[f64; 2]> {
+        let expected = std::mem::take(&mut self.expected);
+        let ppm = |lit: &[Option<bool>], values: &[f32]| {
+            per_million(Score::new(values, lit).wrong, lit.par_iter().flatten().count())
+        };
+        let [all, _, fronts] = &expected;
+        let wrong = self.ask(baseline, lookup, Asked::All, |values| [all, fronts].map(|lit| ppm(lit, values)));
+        self.expected = expected;
+        wrong
     }
 
     /// Does something with what a lookup answers in a map as it is.
