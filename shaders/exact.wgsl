@@ -91,10 +91,7 @@ fn dp_walk_frame_aside(frame: DpWalkFrame, pixels: vec2<f32>) -> DpWalkFrame {
     let x = vec3<f32>(1.0 + frame.s * frame.ray.x * k.x, frame.s * frame.ray.x * k.y, -frame.s * frame.ray.x);
     let y = vec3<f32>(frame.ray.y * k.x, frame.s + frame.ray.y * k.y, -frame.ray.y);
     let ray = normalize(frame.ray * frame.distance + x * flat_aside.x + y * flat_aside.y);
-    var aside = dp_walk_frame(frame.light, ray, frame.distance);
-    aside.across = frame.across;
-    aside.down = frame.down;
-    return aside;
+    return DpWalkFrame(frame.light, ray, frame.s, -1.0 / (frame.s + ray.z), frame.distance, frame.across, frame.down);
 }
 
 // A vertex by the axes.

@@ -115,6 +115,22 @@ fn soft_lights_have_penumbras_and_little_error() {
     assert!(soft < 0.1 && point > 0.0 && point < 0.1, "soft {soft}, point {point}");
 }
 
+/// On the left is what ray casting has on the right; a cube of as many bytes is farther from that.
+#[test]
+fn shadows_are_set_side_by_side() {
+    let arguments = ["--view", "versus", "--camera", "1.5,2.6,6.5", "--look-at=-2.6,0.7,0"];
+    let (picture, _) = picture("versus.png", &arguments);
+    let (across, height) = picture.dimensions();
+    let width = (across - 8) / 3;
+    let differing = |panel: u32| {
+        let level = |panel: u32, x: u32, y: u32| picture.get_pixel(panel * (width + 4) + x, y).0[0];
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        places.filter(|&(x, y)| level(panel, x, y).abs_diff(level(2, x, y)) > 24).count()
+    };
+    let [own, cube] = [0, 1].map(differing);
+    assert!(cube > 50 && own < cube / 2, "{own} pixels differ, {cube} of the cube's");
+}
+
 #[test]
 fn lights_and_camera_are_where_they_are_put() {
     let arguments = ["--light", "-2,1,3", "--light", "4,-0.5,-6", "--range", "9"];

@@ -63,6 +63,8 @@ pub enum View {
     Bias = 5,
     /// The first light's shadows against ray casting: too light in red, too dark in blue
     Error = 6,
+    /// The first light's shadows by this library, by a cube of as many bytes and by ray casting, side by side
+    Versus = 7,
 }
 
 impl View {

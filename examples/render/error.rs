@@ -40,7 +40,7 @@ pub fn picture(
 }
 
 /// The share of the light that truly arrives at each receiver.
-fn truths(scene: &Scene, light: &PointLight, receivers: &[Receiver]) -> Vec<f64> {
+pub fn truths(scene: &Scene, light: &PointLight, receivers: &[Receiver]) -> Vec<f64> {
     let view = View {
         position: light.position.as_dvec3(),
         orientation: light.orientation.as_dquat(),

@@ -8,6 +8,7 @@ mod filter;
 mod lighting;
 mod map;
 mod model;
+mod versus;
 
 use anyhow::{anyhow, ensure};
 use arguments::Arguments;
@@ -84,6 +85,10 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         println!("map          {}", path.display());
     }
 
+    if arguments.view == View::Versus {
+        let picture = versus::picture(&gpu, arguments, &scene, &camera, &lights[0].1.shadow)?;
+        return finish(arguments, &picture, start);
+    }
     if arguments.view == View::Error {
         let (id, light) = &lights[0];
         let picture = error::picture(&gpu, arguments, &scene, &camera, (&shadows, &casters), (*id, &light.shadow));
