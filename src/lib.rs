@@ -65,8 +65,8 @@
 //! [`paraboloid`] has the mapping as functions, `ARCHITECTURE.md` how the crate is built and why.
 
 mod arena;
+mod assign;
 mod batch;
-mod bin;
 mod casters;
 mod chunks;
 #[cfg(feature = "compare")]
@@ -83,7 +83,6 @@ mod lookup;
 mod maps;
 mod mask;
 mod neighbours;
-mod number;
 pub mod paraboloid;
 mod ranges;
 mod rasterise;

@@ -25,7 +25,7 @@ impl Rasterise {
     /// With lists of `room` entries a tile.
     pub(crate) fn new(device: &wgpu::Device, projection: Projection, workgroups: Workgroups, room: u32) -> Self {
         let layout = layout(device);
-        let module = gpu::shader(device, "rasterise", crate::wgsl::rasterise(projection, workgroups.quads()));
+        let module = gpu::shader(device, "rasterise", crate::wgsl::rasterise(projection, workgroups.pairs()));
         let constants = [("ROOM", f64::from(room)), ("BATCHED", f64::from(u8::from(workgroups.has_cheap_barriers())))];
         let pipeline = gpu::compute_pipeline(device, "rasterise", &module, &[&layout], &constants);
         let nothing = |format| {
@@ -50,8 +50,8 @@ impl Rasterise {
         target: Target,
         custom: Option<&wgpu::TextureView>,
     ) -> wgpu::BindGroup {
-        let Workspace { records, state, tiles, tile_lists, depths, numbers, .. } = workspace;
-        let buffers = [records, state, tiles, tile_lists, depths, numbers];
+        let Workspace { records, state, lists, depths, numbers, .. } = workspace;
+        let buffers = [records, state, lists, depths, numbers];
         let [map_depths, map_numbers] = maps.views(target);
         // The static casters' maps are made from nothing.
         let [static_depths, static_numbers] = match target {
@@ -92,7 +92,6 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let read = |sample_type| BindingType::Texture { sample_type, view_dimension: D2Array, multisampled: false };
     let types = [
         buffer(BufferBindingType::Uniform, true),
-        storage(true),
         storage(true),
         storage(false),
         storage(true),
