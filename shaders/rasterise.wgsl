@@ -25,6 +25,9 @@ struct TileCounters {
 
 // Whether records go through the workgroup's memory. In software a barrier costs more than it saves.
 override BATCHED: bool = true;
+// Whether records are gone through four at a time: for maps of few tiles, where what takes time is to wait and not that more
+// registers leave room for fewer workgroups.
+override IN_FOURS: bool = false;
 
 // PAIRS is put before this text.
 const THREADS: u32 = TILE_TEXELS / 2u / PAIRS;
@@ -119,22 +122,17 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
             }
             workgroupBarrier();
             let end = atomicLoad(&kept);
-            for (var i = 0u; i < end; i += 4u) {
-                // Four at a time, since what takes time is to wait for what comes before; the last one again where there are no
-                // four, which changes nothing.
+            for (var i = 0u; i < end; i += select(1u, 4u, IN_FOURS)) {
+                // The last one again where there are no four, which changes nothing.
                 let at = min(vec4<u32>(i, i + 1u, i + 2u, i + 3u), vec4<u32>(end - 1u));
-                let touched = touched_by(at.x) | touched_by(at.y) | touched_by(at.z) | touched_by(at.w);
+                var touched = touched_by(at.x);
+                if IN_FOURS {
+                    touched |= touched_by(at.y) | touched_by(at.z) | touched_by(at.w);
+                }
                 for (var j = 0u; j < PAIRS; j += 1u) {
                     let pair = j * THREADS + thread;
                     if (touched & stripe_bit(pair)) != 0u {
-                        let first = kept_record(at.x);
-                        let second = kept_record(at.y);
-                        let third = kept_record(at.z);
-                        let fourth = kept_record(at.w);
-                        pairs[j] = with_triangle(view, pairs[j], first, tile, pair);
-                        pairs[j] = with_triangle(view, pairs[j], second, tile, pair);
-                        pairs[j] = with_triangle(view, pairs[j], third, tile, pair);
-                        pairs[j] = with_triangle(view, pairs[j], fourth, tile, pair);
+                        pairs[j] = with_kept(view, pairs[j], at, tile, pair);
                     }
                 }
             }
@@ -242,6 +240,19 @@ fn keep_entry(view: View, tile: Tile, entry: u32, least: f32) {
     batch[at + 3u] = words[3];
 }
 
+// A pair with a kept record, or four.
+fn with_kept(view: View, before: Pair, at: vec4<u32>, tile: Tile, pair: u32) -> Pair {
+    let first = kept_record(at.x);
+    if !IN_FOURS {
+        return with_triangle(view, before, first, tile, pair);
+    }
+    let second = kept_record(at.y);
+    let third = kept_record(at.z);
+    let fourth = kept_record(at.w);
+    let half = with_triangle(view, with_triangle(view, before, first, tile, pair), second, tile, pair);
+    return with_triangle(view, with_triangle(view, half, third, tile, pair), fourth, tile, pair);
+}
+
 // Stripes that a kept record may touch, and FULL.
 fn touched_by(i: u32) -> u32 {
     return batch[RECORD * i + 1u].w;
@@ -258,16 +269,17 @@ fn stripes_touched(view: View, record: Record, tile: Tile) -> u32 {
     if record.is_full {
         return (1u << STRIPES) - 1u;
     }
+    return stripe_touched(view, record, tile, 0u) | stripe_touched(view, record, tile, 1u)
+        | stripe_touched(view, record, tile, 2u) | stripe_touched(view, record, tile, 3u);
+}
+
+fn stripe_touched(view: View, record: Record, tile: Tile, stripe: u32) -> u32 {
     let reach = vec2<f32>(7.5, 1.5) * view.texel;
-    var result = 0u;
-    for (var stripe = 0u; stripe < STRIPES; stripe += 1u) {
-        let c = tile.centre + vec2<f32>(0.0, (6.0 - 4.0 * f32(stripe)) * view.texel);
-        let q = scaled_direction(c);
-        let inside = vec3<f32>(dot(record.e0, q), dot(record.e1, q), dot(record.e2, q));
-        let around = vec3<f32>(spread(record.e0, c, reach), spread(record.e1, c, reach), spread(record.e2, c, reach));
-        result |= select(0u, 1u << stripe, all(inside + around >= vec3<f32>(-BIN_SLACK)));
-    }
-    return result;
+    let c = tile.centre + vec2<f32>(0.0, (6.0 - 4.0 * f32(stripe)) * view.texel);
+    let q = scaled_direction(c);
+    let inside = vec3<f32>(dot(record.e0, q), dot(record.e1, q), dot(record.e2, q));
+    let around = vec3<f32>(spread(record.e0, c, reach), spread(record.e1, c, reach), spread(record.e2, c, reach));
+    return select(0u, 1u << stripe, all(inside + around >= vec3<f32>(-BIN_SLACK)));
 }
 
 fn stripe_bit(pair: u32) -> u32 {

@@ -3,8 +3,11 @@
 use crate::batch::MOST_ITEMS;
 use crate::gpu::{self, Workgroups};
 use crate::maps::{self, Maps, Target};
-use crate::view::{MapShape, Projection, SLOT, View};
+use crate::view::{MapShape, SLOT, View};
 use crate::workspace::Workspace;
+
+/// So few tiles leave much of a GPU idle.
+const FEW_TILES: u32 = 4096;
 
 #[derive(Debug)]
 pub(crate) struct Rasterise {
@@ -23,10 +26,15 @@ struct Nothing {
 
 impl Rasterise {
     /// With lists of `room` entries a tile.
-    pub(crate) fn new(device: &wgpu::Device, projection: Projection, workgroups: Workgroups, room: u32) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, shape: &MapShape, workgroups: Workgroups, room: u32) -> Self {
         let layout = layout(device);
-        let module = gpu::shader(device, "rasterise", crate::wgsl::rasterise(projection, workgroups.pairs()));
-        let constants = [("ROOM", f64::from(room)), ("BATCHED", f64::from(u8::from(workgroups.has_cheap_barriers())))];
+        let module = gpu::shader(device, "rasterise", crate::wgsl::rasterise(shape.projection, workgroups.pairs()));
+        let flag = |value: bool| f64::from(u8::from(value));
+        let constants = [
+            ("ROOM", f64::from(room)),
+            ("BATCHED", flag(workgroups.has_cheap_barriers())),
+            ("IN_FOURS", flag(shape.all_tiles() <= FEW_TILES)),
+        ];
         let pipeline = gpu::compute_pipeline(device, "rasterise", &module, &[&layout], &constants);
         let nothing = |format| {
             let usage = wgpu::TextureUsages::TEXTURE_BINDING;

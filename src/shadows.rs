@@ -200,7 +200,7 @@ impl PointShadows {
             cull: Cull::new(device, projection, workgroups, reject, small),
             resolve: Resolve::new(device, projection, workgroups),
             assign: Assign::new(device, projection, workgroups, room),
-            rasterise: Rasterise::new(device, projection, workgroups, room),
+            rasterise: Rasterise::new(device, &shape, workgroups, room),
             custom: Custom::new(device, capacity),
             workspace: Workspace::new(device, share, room, Most { records, jobs }, 1, MOST_ITEMS),
             views: view_buffer(device, capacity),
@@ -522,8 +522,8 @@ impl PointShadows {
 
     /// Bytes on the GPU: the maps, twice with [`keep_static`](PointShadowsDescriptor::keep_static), and what the lights
     /// share: the workspace of up to eight of them at a time, and a few KiB for each. The workspace has 128 MiB at most,
-    /// unless a single light takes more: 32 MiB at a resolution of 1024, in proportion to its square, there at most 28 MiB
-    /// for large and winning triangles, and 144 bytes a chunk.
+    /// unless a single light takes more: 32 MiB at a resolution of 1024, in proportion to its square, there at most 32 MiB
+    /// for large and winning triangles, and 152 bytes a chunk.
     #[must_use]
     pub fn memory(&self) -> u64 {
         self.maps.memory() + self.workspace.memory() + self.views.size() + self.custom.memory() + self.lookup.memory()
