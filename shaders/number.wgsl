@@ -1,35 +1,23 @@
 // Number: which triangle each texel's depth is of. Who wins a texel among the small ones is known only when all are drawn, so
-// those that won one at some time are gone through once more, a thread for each.
+// those that won one at some time are gone through once more.
 
-@group(0) @binding(0) var<uniform> views: array<View, MOST_ITEMS>;
-@group(0) @binding(1) var<storage, read> chunk_sources: array<ChunkSource>;
-@group(0) @binding(2) var<storage, read> triangles: array<u32>;
-@group(0) @binding(3) var<storage, read> vertices: array<CasterVertex>;
-@group(0) @binding(4) var<storage, read> depths: array<u32>;
-// The greatest number, with one added, of the triangles that have a texel's depth.
-@group(0) @binding(5) var<storage, read_write> numbers: array<atomic<u32>>;
-@group(0) @binding(6) var<storage, read> lists: array<u32>;
-@group(0) @binding(7) var<storage, read> state: array<u32>;
+// Fewer triangles leave most of a GPU idle.
+override FEW: u32 = 32768u;
 
-const THREADS: u32 = 64u;
-
-@compute @workgroup_size(64)
-fn number(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let view = views[group.z];
-    let count = min(state[view.counters + COUNTER_WINNERS], view.winner_capacity);
-    for (var i = group.x * THREADS + thread; i < count; i += groups.x * THREADS) {
+fn number(view: View, group: u32, groups: u32, thread: u32) {
+    let count = min(atomicLoad(&state[view.counters + COUNTER_WINNERS]), view.winner_capacity);
+    // Eight threads share a triangle's rows, as waiting is what takes time; unless there are triangles enough for all.
+    let shift = select(0u, 3u, count < FEW);
+    let lane = i32(thread & ((1u << shift) - 1u));
+    for (var i = (group * THREADS + thread) >> shift; i < count; i += (groups * THREADS) >> shift) {
         let winner = lists[view.first_winner + i];
         if winner != 0u {
-            number_triangle(view, winner & ((1u << SQUARE_SHIFT) - 1u), winner >> SQUARE_SHIFT);
+            number_triangle(view, winner & ((1u << SQUARE_SHIFT) - 1u), winner >> SQUARE_SHIFT, lane, 1 << shift);
         }
     }
 }
 
-fn number_triangle(view: View, number: u32, square: u32) {
+fn number_triangle(view: View, number: u32, square: u32, lane: i32, lanes: i32) {
     let source = chunk_sources[(number - 1u) >> 8u];
     let local = corners_of(triangles[source.triangle + ((number - 1u) & 0xffu)]);
     let relative = array<vec3<f32>, 3>(
@@ -42,20 +30,25 @@ fn number_triangle(view: View, number: u32, square: u32) {
     let c = corner_of(view, relative[2], square);
     let triangle = triangle_of(view, square, relative, a, b, c);
     let box = box_of(view, a, b, c);
-    for (var y = box.low.y; y <= box.high.y; y += 1) {
+    for (var y = box.low.y + lane; y <= box.high.y; y += lanes) {
         let v = texel_v(view, f32(y));
         let span = row_span(view, triangle, box, y);
         for (var x = span.x; x <= span.y; x += 4) {
             // Four at a time, as the culling does.
             let at = row_places(view, square, x, y, span.y);
             let stored = vec4<u32>(depths[at.x], depths[at.y], depths[at.z], depths[at.w]);
-            for (var i = 0; i < 4; i += 1) {
-                let q = scaled_direction(vec2<f32>(texel_u(view, f32(x + i)), v));
-                let is_same = is_same_depth(triangle, depth_at(triangle, q), bitcast<f32>(stored[i]));
-                if stored[i] != 0u && is_same && covers_nearly(triangle, q) && x + i <= span.y {
-                    atomicMax(&numbers[at[i]], number);
-                }
-            }
+            number_texel(view, triangle, x, span.y, v, at.x, stored.x, number);
+            number_texel(view, triangle, x + 1, span.y, v, at.y, stored.y, number);
+            number_texel(view, triangle, x + 2, span.y, v, at.z, stored.z, number);
+            number_texel(view, triangle, x + 3, span.y, v, at.w, stored.w, number);
         }
+    }
+}
+
+fn number_texel(view: View, triangle: Triangle, x: i32, last: i32, v: f32, at: u32, stored: u32, number: u32) {
+    let q = scaled_direction(vec2<f32>(texel_u(view, f32(x)), v));
+    let is_same = is_same_depth(triangle, depth_at(triangle, q), bitcast<f32>(stored));
+    if stored != 0u && is_same && covers_nearly(triangle, q) && x <= last {
+        atomicMax(&numbers[at], number);
     }
 }

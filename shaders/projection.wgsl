@@ -40,8 +40,8 @@ fn scaled_direction(p: vec2<f32>) -> vec3<f32> {
     return dp_unproject_scaled(p);
 }
 
-// The third component of the directions of four texels of a column.
-fn scaled_directions_z(u: f32, v: vec4<f32>) -> vec4<f32> {
+// The third component of the directions of two texels of a column.
+fn scaled_directions_z(u: f32, v: vec2<f32>) -> vec2<f32> {
     return 0.5 - 0.5 * (u * u + v * v);
 }
 

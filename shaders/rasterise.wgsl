@@ -1,54 +1,59 @@
 // Rasterise: each texel's greatest depth and the triangle that has it, of what was drawn small and of its tile's large
-// triangles. A workgroup takes a tile, a thread QUADS quads of it: four texels of a column.
+// triangles. A workgroup takes a tile, a thread PAIRS pairs of it: two texels of a column.
 
 @group(0) @binding(0) var<uniform> views: array<View, MOST_ITEMS>;
 @group(0) @binding(1) var<storage, read> records: array<vec4<u32>>;
-@group(0) @binding(2) var<storage, read> state: array<u32>;
-@group(0) @binding(3) var<storage, read_write> tiles: array<TileCounters>;
-@group(0) @binding(4) var<storage, read> tile_lists: array<u32>;
+// Counters of items, and of tiles; these are cleared for the next item.
+@group(0) @binding(2) var<storage, read_write> state: array<u32>;
+@group(0) @binding(3) var<storage, read> lists: array<u32>;
 // Of what was drawn small: depths, and numbers with one added. Cleared for the next item.
-@group(0) @binding(5) var<storage, read_write> depths: array<u32>;
-@group(0) @binding(6) var<storage, read_write> numbers: array<u32>;
-@group(0) @binding(7) var map_depths: texture_storage_2d_array<r32float, write>;
-@group(0) @binding(8) var map_numbers: texture_storage_2d_array<r32uint, write>;
-@group(0) @binding(9) var static_depths: texture_2d_array<f32>;
-@group(0) @binding(10) var static_numbers: texture_2d_array<u32>;
+@group(0) @binding(4) var<storage, read_write> depths: array<u32>;
+@group(0) @binding(5) var<storage, read_write> numbers: array<u32>;
+@group(0) @binding(6) var map_depths: texture_storage_2d_array<r32float, write>;
+@group(0) @binding(7) var map_numbers: texture_storage_2d_array<r32uint, write>;
+@group(0) @binding(8) var static_depths: texture_2d_array<f32>;
+@group(0) @binding(9) var static_numbers: texture_2d_array<u32>;
 // What the caller has drawn, a layer for each item.
-@group(0) @binding(11) var custom_depths: texture_depth_2d_array;
+@group(0) @binding(10) var custom_depths: texture_depth_2d_array;
 
 struct TileCounters {
     count: u32,
+    // Records to go through: those of its list or, where that lacks room, all.
+    entries: u32,
     least: u32,
 }
 
 // Whether records go through the workgroup's memory. In software a barrier costs more than it saves.
 override BATCHED: bool = true;
+// Whether records are gone through four at a time: for maps of few tiles, where what takes time is to wait and not that more
+// registers leave room for fewer workgroups.
+override IN_FOURS: bool = false;
 
-// QUADS is put before this text.
-const THREADS: u32 = TILE_TEXELS / 4u / QUADS;
+// PAIRS is put before this text.
+const THREADS: u32 = TILE_TEXELS / 2u / PAIRS;
 // Records that go through the workgroup's memory at a time.
-const BATCH: u32 = 128u;
+const BATCH: u32 = 64u;
 
-// Upper and lower half of a tile: what touches one alone is passed over in the other.
-const HALVES: u32 = 2u;
-const QUADS_OF_HALF: u32 = TILE_TEXELS / 4u / HALVES;
+// Stripes of four rows of a tile: what touches one alone is passed over in the others.
+const STRIPES: u32 = 4u;
+const PAIRS_OF_STRIPE: u32 = TILE_TEXELS / 2u / STRIPES;
 
 // By how much edges of large triangles reach outward, as the sine of an angle at most: small ones are decided in another
 // shader, which may round otherwise, and between them there must be no gap. Either product of three terms is off by at most
 // 2^-22 of the lengths, of which that of the plane's normal is one.
 const EDGE_SLACK: f32 = 2.4e-7 * LONGEST_DIRECTION;
 
-var<workgroup> batch: array<vec4<u32>, 512>;
+var<workgroup> batch: array<vec4<u32>, 256>;
 var<workgroup> kept: atomic<u32>;
 // The tile's, which every thread has read before they are cleared.
 var<workgroup> counters_of_tile: TileCounters;
 // Least depth that any texel of the tile has so far.
 var<workgroup> lowest: atomic<u32>;
 
-// Four texels.
-struct Quad {
-    depth: vec4<f32>,
-    number: vec4<u32>,
+// Two texels.
+struct Pair {
+    depth: vec2<f32>,
+    number: vec2<u32>,
 }
 
 // What is known of a tile.
@@ -79,18 +84,29 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
         return;
     }
     let place = tile_of(view, square, group.x, group.y);
+    // Asked for before anything waits.
+    var stored: array<vec2<u32>, PAIRS>;
+    for (var i = 0u; i < PAIRS; i += 1u) {
+        stored[i] = stored_pair(place, i * THREADS + thread);
+    }
+    let counter = counter_of(view, place);
     if thread == 0u {
-        counters_of_tile = tiles[place];
+        let count = state[counter];
+        var entries = count;
+        if count > ROOM {
+            entries = min(state[view.counters + COUNTER_RECORDS], view.record_capacity);
+        }
+        counters_of_tile = TileCounters(count, entries, state[counter + TILE_LEAST]);
     }
     let counters = workgroupUniformLoad(&counters_of_tile);
     let corner = vec2<i32>(group.xy) * TILE;
     let tile = Tile(centre, reach, corner, group.x, group.y, square, bitcast<f32>(counters.least));
-    var quads: array<Quad, QUADS>;
-    for (var i = 0u; i < QUADS; i += 1u) {
-        quads[i] = start_quad(view, item, tile, place, i * THREADS + thread);
+    var pairs: array<Pair, PAIRS>;
+    for (var i = 0u; i < PAIRS; i += 1u) {
+        pairs[i] = start_pair(view, item, tile, place, i * THREADS + thread, stored[i]);
     }
     let lists_all = counters.count <= ROOM;
-    let count = select(min(state[view.counters + COUNTER_RECORDS], view.record_capacity), counters.count, lists_all);
+    let count = counters.entries;
     if BATCHED {
         if thread == 0u {
             atomicStore(&lowest, 0u);
@@ -102,15 +118,21 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
             workgroupBarrier();
             let least = max(tile.least, bitcast<f32>(atomicLoad(&lowest)));
             for (var i = start + thread; i < min(start + BATCH, count); i += THREADS) {
-                keep_entry(view, tile, entry_of(place, i, lists_all), least);
+                keep_entry(view, tile, entry_of(view, place, i, lists_all), least);
             }
             workgroupBarrier();
             let end = atomicLoad(&kept);
-            for (var i = 0u; i < end; i += 1u) {
-                for (var j = 0u; j < QUADS; j += 1u) {
-                    let quad = j * THREADS + thread;
-                    if (batch[RECORD * i + 1u].w & half_bit(quad)) != 0u {
-                        quads[j] = with_triangle(view, quads[j], kept_record(i), tile, quad);
+            for (var i = 0u; i < end; i += select(1u, 4u, IN_FOURS)) {
+                // The last one again where there are no four, which changes nothing.
+                let at = min(vec4<u32>(i, i + 1u, i + 2u, i + 3u), vec4<u32>(end - 1u));
+                var touched = touched_by(at.x);
+                if IN_FOURS {
+                    touched |= touched_by(at.y) | touched_by(at.z) | touched_by(at.w);
+                }
+                for (var j = 0u; j < PAIRS; j += 1u) {
+                    let pair = j * THREADS + thread;
+                    if (touched & stripe_bit(pair)) != 0u {
+                        pairs[j] = with_kept(view, pairs[j], at, tile, pair);
                     }
                 }
             }
@@ -121,40 +143,41 @@ fn rasterise(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
                     atomicStore(&lowest, 0xffffffffu);
                 }
                 workgroupBarrier();
-                for (var j = 0u; j < QUADS; j += 1u) {
-                    let d = quads[j].depth;
-                    atomicMin(&lowest, bitcast<u32>(min(min(d.x, d.y), min(d.z, d.w))));
+                for (var j = 0u; j < PAIRS; j += 1u) {
+                    let d = pairs[j].depth;
+                    atomicMin(&lowest, bitcast<u32>(min(d.x, d.y)));
                 }
             }
         }
     } else {
         for (var i = 0u; i < count; i += 1u) {
-            let entry = entry_of(place, i, lists_all);
+            let entry = entry_of(view, place, i, lists_all);
             let words = words_of(view, entry);
             if may_show(words, tile, tile.least) {
                 let record = record_of(words, entry);
-                let halves = halves_touched(view, record, tile);
-                for (var j = 0u; j < QUADS; j += 1u) {
-                    let quad = j * THREADS + thread;
-                    if (halves & half_bit(quad)) != 0u {
-                        quads[j] = with_triangle(view, quads[j], record, tile, quad);
+                let stripes = stripes_touched(view, record, tile);
+                for (var j = 0u; j < PAIRS; j += 1u) {
+                    let pair = j * THREADS + thread;
+                    if (stripes & stripe_bit(pair)) != 0u {
+                        pairs[j] = with_triangle(view, pairs[j], record, tile, pair);
                     }
                 }
             }
         }
     }
-    for (var i = 0u; i < QUADS; i += 1u) {
-        store_quad(view, quads[i], tile, i * THREADS + thread);
+    for (var i = 0u; i < PAIRS; i += 1u) {
+        store_pair(view, pairs[i], tile, i * THREADS + thread);
     }
     if thread == 0u && counters.count + counters.least > 0u {
-        tiles[place] = TileCounters(0u, 0u);
+        state[counter] = 0u;
+        state[counter + TILE_LEAST] = 0u;
     }
 }
 
 // A tile's entry: of its list or, where that lacks room, any record.
-fn entry_of(place: u32, i: u32, lists_all: bool) -> u32 {
+fn entry_of(view: View, place: u32, i: u32, lists_all: bool) -> u32 {
     if lists_all {
-        return tile_lists[place * ROOM + i];
+        return lists[tile_list(view, place) + i];
     }
     return i;
 }
@@ -206,15 +229,33 @@ fn keep_entry(view: View, tile: Tile, entry: u32, least: f32) {
     if !may_show(words, tile, least) {
         return;
     }
-    let halves = halves_touched(view, record_of(words, entry), tile);
-    if halves == 0u {
+    let stripes = stripes_touched(view, record_of(words, entry), tile);
+    if stripes == 0u {
         return;
     }
     let at = RECORD * atomicAdd(&kept, 1u);
     batch[at] = words[0];
-    batch[at + 1u] = vec4<u32>(words[1].xyz, (entry & FULL) | halves);
+    batch[at + 1u] = vec4<u32>(words[1].xyz, (entry & FULL) | stripes);
     batch[at + 2u] = words[2];
     batch[at + 3u] = words[3];
+}
+
+// A pair with a kept record, or four.
+fn with_kept(view: View, before: Pair, at: vec4<u32>, tile: Tile, pair: u32) -> Pair {
+    let first = kept_record(at.x);
+    if !IN_FOURS {
+        return with_triangle(view, before, first, tile, pair);
+    }
+    let second = kept_record(at.y);
+    let third = kept_record(at.z);
+    let fourth = kept_record(at.w);
+    let half = with_triangle(view, with_triangle(view, before, first, tile, pair), second, tile, pair);
+    return with_triangle(view, with_triangle(view, half, third, tile, pair), fourth, tile, pair);
+}
+
+// Stripes that a kept record may touch, and FULL.
+fn touched_by(i: u32) -> u32 {
+    return batch[RECORD * i + 1u].w;
 }
 
 fn kept_record(i: u32) -> Record {
@@ -223,53 +264,72 @@ fn kept_record(i: u32) -> Record {
     return record_of(words, words[1].w);
 }
 
-// Bits of the halves of a tile that a triangle may touch.
-fn halves_touched(view: View, record: Record, tile: Tile) -> u32 {
+// Bits of the stripes of a tile that a triangle may touch.
+fn stripes_touched(view: View, record: Record, tile: Tile) -> u32 {
     if record.is_full {
-        return (1u << HALVES) - 1u;
+        return (1u << STRIPES) - 1u;
     }
-    let reach = vec2<f32>(7.5, 3.5) * view.texel;
-    var result = 0u;
-    for (var half = 0u; half < HALVES; half += 1u) {
-        let c = tile.centre + vec2<f32>(0.0, select(-4.0, 4.0, half == 0u) * view.texel);
-        let q = scaled_direction(c);
-        let inside = vec3<f32>(dot(record.e0, q), dot(record.e1, q), dot(record.e2, q));
-        let around = vec3<f32>(spread(record.e0, c, reach), spread(record.e1, c, reach), spread(record.e2, c, reach));
-        result |= select(0u, 1u << half, all(inside + around >= vec3<f32>(-BIN_SLACK)));
-    }
-    return result;
+    return stripe_touched(view, record, tile, 0u) | stripe_touched(view, record, tile, 1u)
+        | stripe_touched(view, record, tile, 2u) | stripe_touched(view, record, tile, 3u);
 }
 
-fn half_bit(quad: u32) -> u32 {
-    return 1u << (quad / QUADS_OF_HALF);
+fn stripe_touched(view: View, record: Record, tile: Tile, stripe: u32) -> u32 {
+    let reach = vec2<f32>(7.5, 1.5) * view.texel;
+    let c = tile.centre + vec2<f32>(0.0, (6.0 - 4.0 * f32(stripe)) * view.texel);
+    let q = scaled_direction(c);
+    let inside = vec3<f32>(dot(record.e0, q), dot(record.e1, q), dot(record.e2, q));
+    let around = vec3<f32>(spread(record.e0, c, reach), spread(record.e1, c, reach), spread(record.e2, c, reach));
+    return select(0u, 1u << stripe, all(inside + around >= vec3<f32>(-BIN_SLACK)));
 }
 
-// First texel of a tile's quad, in the tile; the others are two rows apart. Quads side by side are texels side by side.
-fn quad_place(quad: u32) -> vec2<u32> {
-    let own = quad % QUADS_OF_HALF;
-    return vec2<u32>(own % u32(TILE), quad / QUADS_OF_HALF * 8u + own / u32(TILE));
+fn stripe_bit(pair: u32) -> u32 {
+    return 1u << (pair / PAIRS_OF_STRIPE);
 }
 
-const QUAD_ROWS: u32 = 2u;
+// First texel of a tile's pair, in the tile; the other is two rows below. Pairs side by side are texels side by side.
+fn pair_place(pair: u32) -> vec2<u32> {
+    let own = pair % PAIRS_OF_STRIPE;
+    return vec2<u32>(own % u32(TILE), pair / PAIRS_OF_STRIPE * 4u + own / u32(TILE));
+}
 
-// What a quad has before any large triangle; clears it.
-fn start_quad(view: View, item: u32, tile: Tile, place: u32, quad: u32) -> Quad {
-    let own = quad_place(quad);
-    let stride = QUAD_ROWS * u32(TILE);
-    let at = place * TILE_TEXELS + own.y * u32(TILE) + own.x + vec4<u32>(0u, stride, 2u * stride, 3u * stride);
-    let stored = vec4<u32>(depths[at.x], depths[at.y], depths[at.z], depths[at.w]);
-    var result = Quad(bitcast<vec4<f32>>(stored), vec4<u32>(0u));
-    for (var i = 0; i < 4; i += 1) {
-        if stored[i] != 0u {
-            result.number[i] = numbers[at[i]];
-            depths[at[i]] = 0u;
-            numbers[at[i]] = 0u;
-        }
+const PAIR_ROWS: u32 = 2u;
+
+// Where the workspace has a pair.
+fn places_of(place: u32, pair: u32) -> vec2<u32> {
+    let own = pair_place(pair);
+    let stride = PAIR_ROWS * u32(TILE);
+    return place * TILE_TEXELS + own.y * u32(TILE) + own.x + vec2<u32>(0u, stride);
+}
+
+fn stored_pair(place: u32, pair: u32) -> vec2<u32> {
+    let at = places_of(place, pair);
+    return vec2<u32>(depths[at.x], depths[at.y]);
+}
+
+// The number of a texel of the workspace, which is cleared.
+fn taken_number(at: u32, stored: u32) -> u32 {
+    if stored == 0u {
+        return 0u;
     }
+    let number = numbers[at];
+    depths[at] = 0u;
+    numbers[at] = 0u;
+    return number;
+}
+
+// What a pair has before any large triangle; clears it.
+fn start_pair(view: View, item: u32, tile: Tile, place: u32, pair: u32, stored: vec2<u32>) -> Pair {
+    let own = pair_place(pair);
+    let at = places_of(place, pair);
+    let taken = vec2<u32>(
+        taken_number(at.x, stored.x),
+        taken_number(at.y, stored.y),
+    );
+    var result = Pair(bitcast<vec2<f32>>(stored), taken);
     if (view.flags & (FLAG_STATIC | FLAG_CUSTOM)) != 0u {
         let beside = tile.corner + vec2<i32>(own) + vec2<i32>(i32(tile.square) * i32(view.resolution), 0);
-        for (var i = 0; i < 4; i += 1) {
-            let texel = beside + vec2<i32>(0, i * i32(QUAD_ROWS));
+        for (var i = 0; i < 2; i += 1) {
+            let texel = beside + vec2<i32>(0, i * i32(PAIR_ROWS));
             if (view.flags & FLAG_STATIC) != 0u {
                 let source = texel + vec2<i32>(vec2<u32>(view.left, view.top));
                 let depth = textureLoad(static_depths, source, view.layer, 0).x;
@@ -283,49 +343,50 @@ fn start_quad(view: View, item: u32, tile: Tile, place: u32, quad: u32) -> Quad 
     return result;
 }
 
-// A quad with something in its `i`th texel. Of equal depths the greatest number shows.
-fn nearer(quad: Quad, i: i32, depth: f32, number: u32) -> Quad {
-    var result = quad;
-    if depth > quad.depth[i] || (depth == quad.depth[i] && number > quad.number[i]) {
+// A pair with something in its `i`th texel. Of equal depths the greatest number shows.
+fn nearer(pair: Pair, i: i32, depth: f32, number: u32) -> Pair {
+    var result = pair;
+    if depth > pair.depth[i] || (depth == pair.depth[i] && number > pair.number[i]) {
         result.depth[i] = depth;
         result.number[i] = number;
     }
     return result;
 }
 
-// A quad with a large triangle.
-fn with_triangle(view: View, before: Quad, record: Record, tile: Tile, quad: u32) -> Quad {
-    let at = vec2<f32>(tile.corner + vec2<i32>(quad_place(quad)));
-    let rows = vec4<f32>(0.0, 1.0, 2.0, 3.0) * f32(QUAD_ROWS);
+// A pair with a large triangle.
+fn with_triangle(view: View, before: Pair, record: Record, tile: Tile, pair: u32) -> Pair {
+    let at = vec2<f32>(tile.corner + vec2<i32>(pair_place(pair)));
     let u = texel_u(view, at.x);
-    let v = (0.5 * view.resolution - 0.5 - (at.y + rows)) * view.texel;
+    let v = (0.5 * view.resolution - 0.5 - (at.y + vec2<f32>(0.0, f32(PAIR_ROWS)))) * view.texel;
     let h = scaled_directions_z(u, v);
-    let z = clamp(products(record.plane, u, v, h), vec4<f32>(record.limits.x), vec4<f32>(record.limits.y));
-    var shows = (z <= vec4<f32>(1.0)) & (z > vec4<f32>(0.0));
+    let z = clamp(products(record.plane, u, v, h), vec2<f32>(record.limits.x), vec2<f32>(record.limits.y));
+    var shows = (z <= vec2<f32>(1.0)) & (z > vec2<f32>(0.0));
     if !record.is_full {
         let inside = min(products(record.e0, u, v, h), min(products(record.e1, u, v, h), products(record.e2, u, v, h)));
-        shows = shows & (inside >= vec4<f32>(-EDGE_SLACK));
+        shows = shows & (inside >= vec2<f32>(-EDGE_SLACK));
     }
-    let number = vec4<u32>(record.number);
+    let number = vec2<u32>(record.number);
     shows = shows & ((z > before.depth) | ((z == before.depth) & (number > before.number)));
-    return Quad(select(before.depth, z, shows), select(before.number, number, shows));
+    return Pair(select(before.depth, z, shows), select(before.number, number, shows));
 }
 
-// Products of a plane with the directions of four texels of a column.
-fn products(e: vec3<f32>, u: f32, v: vec4<f32>, h: vec4<f32>) -> vec4<f32> {
+// Products of a plane with the directions of two texels of a column.
+fn products(e: vec3<f32>, u: f32, v: vec2<f32>, h: vec2<f32>) -> vec2<f32> {
     return e.x * u + e.y * v + e.z * h;
 }
 
-fn store_quad(view: View, quad: Quad, tile: Tile, number: u32) {
-    let own = tile.corner + vec2<i32>(quad_place(number));
-    let size = i32(view.resolution);
-    let origin = square_origin(view, tile.square);
-    let corner = vec2<i32>(origin.xy);
-    for (var i = 0; i < 4; i += 1) {
-        let texel = own + vec2<i32>(0, i * i32(QUAD_ROWS));
-        if max(texel.x, texel.y) < size {
-            textureStore(map_depths, corner + texel, origin.z, vec4<f32>(quad.depth[i], 0.0, 0.0, 0.0));
-            textureStore(map_numbers, corner + texel, origin.z, vec4<u32>(quad.number[i] - 1u, 0u, 0u, 0u));
-        }
+fn store_pair(view: View, pair: Pair, tile: Tile, number: u32) {
+    let own = tile.corner + vec2<i32>(pair_place(number));
+    let rows = vec2<i32>(0, i32(PAIR_ROWS));
+    store_texel(view, tile, own, pair.depth.x, pair.number.x);
+    store_texel(view, tile, own + rows, pair.depth.y, pair.number.y);
+}
+
+fn store_texel(view: View, tile: Tile, texel: vec2<i32>, depth: f32, number: u32) {
+    if max(texel.x, texel.y) < i32(view.resolution) {
+        let origin = square_origin(view, tile.square);
+        let at = vec2<i32>(origin.xy) + texel;
+        textureStore(map_depths, at, origin.z, vec4<f32>(depth, 0.0, 0.0, 0.0));
+        textureStore(map_numbers, at, origin.z, vec4<u32>(number - 1u, 0u, 0u, 0u));
     }
 }

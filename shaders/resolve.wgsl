@@ -12,11 +12,22 @@
 
 // Numbers texels; else draws what was put off.
 override NUMBERS: bool = true;
-// Bands of rows that workgroups share a map out in.
-override BANDS: u32 = 1u;
 
-var<workgroup> part_total: u32;
+// Threads that share a row, as waiting is what takes time.
+override LANES: u32 = 8u;
+
+var<workgroup> share_total: u32;
+var<workgroup> own_share: Share;
 var<workgroup> chosen: array<u32, PART_BITS>;
+
+// A band of a part.
+struct Share {
+    part: u32,
+    // Which of its bits are asked for.
+    kind: u32,
+    band: u32,
+    bands: u32,
+}
 
 @compute @workgroup_size(THREADS)
 fn resolve(
@@ -26,11 +37,17 @@ fn resolve(
 ) {
     let view = views[group.z];
     if thread == 0u {
-        part_total = count_parts(view);
+        share_total = count_parts(view) * atomicLoad(&state[view.counters + COUNTER_BANDS]);
     }
-    let count = workgroupUniformLoad(&part_total);
+    let count = workgroupUniformLoad(&share_total);
     for (var i = group.x; i < count; i += groups.x) {
-        resolve_part(view, i, group.y, thread);
+        if thread == 0u {
+            own_share = share_of(view, i);
+        }
+        let share = workgroupUniformLoad(&own_share);
+        if share.band < share.bands {
+            resolve_share(view, share, thread);
+        }
     }
 }
 
@@ -43,106 +60,120 @@ fn has_overflown(view: View) -> bool {
         || atomicLoad(&state[view.counters + COUNTER_JOBS]) > view.job_capacity;
 }
 
-// Parts to go through: to draw, those with triangles that were put off; to number, those and the ones that found no room.
+// Parts to go through: those with masked triangles; with large ones, if these found no room; to number, also those that found
+// none among the winners.
 fn count_parts(view: View) -> u32 {
-    return list_length(view, LIST_DEFERRED) + select(0u, list_length(view, LIST_DRAWN), NUMBERS);
+    let large = select(0u, list_length(view, LIST_LARGE), has_overflown(view));
+    return list_length(view, LIST_MASKED) + large + select(0u, list_length(view, LIST_DRAWN), NUMBERS);
 }
 
-fn resolve_part(view: View, i: u32, band: u32, thread: u32) {
-    let deferred = list_length(view, LIST_DEFERRED);
-    let list = select(LIST_DRAWN, LIST_DEFERRED, i < deferred);
-    let part = atomicLoad(&state[list_of(view, list) + select(i - deferred, i, i < deferred)]);
-    let chunk = part / SQUARES;
-    let square = part % SQUARES;
-    let source = chunk_sources[chunk];
-    // Large triangles are the tiles' unless there was no room.
-    let is_asked = list == LIST_DRAWN || (kind(source) & KIND_MASKED) != 0u || has_overflown(view);
+// The `i`th band of all parts, of which some have fewer.
+fn share_of(view: View, i: u32) -> Share {
+    let parts = count_parts(view);
+    let masked = list_length(view, LIST_MASKED);
+    let large = select(0u, list_length(view, LIST_LARGE), has_overflown(view));
+    var list = LIST_MASKED;
+    var place = i % parts;
+    if place >= masked + large {
+        list = LIST_DRAWN;
+        place -= masked + large;
+    } else if place >= masked {
+        list = LIST_LARGE;
+        place -= masked;
+    }
+    let entry = atomicLoad(&state[list_of(view, list) + place]);
+    let kind = select(BITS_DEFERRED, BITS_DRAWN, list == LIST_DRAWN);
+    return Share(entry & LISTED_PART, kind, i / parts, (entry >> BANDS_SHIFT) + 1u);
+}
+
+fn resolve_share(view: View, share: Share, thread: u32) {
+    let square = share.part % SQUARES;
+    let source = chunk_sources[share.part / SQUARES];
     if thread == 0u {
         atomicStore(&queued, 0u);
     }
     for (var word = thread; word < PART_BITS; word += THREADS) {
-        chosen[word] = select(0u, atomicLoad(&state[bits_of(view, part, list) + word]), is_asked);
+        chosen[word] = atomicLoad(&state[bits_of(view, share.part, share.kind) + word]);
     }
     let last = max(vertex_count(source), 1u) - 1u;
     place_corners(view, source, vertices[source.vertex + min(thread, last)].position, square, thread);
     workgroupBarrier();
-    let rows = band_of(view, band);
+    
     for (var t = thread; t < triangle_count(source); t += THREADS) {
         if (chosen[t / 32u] & (1u << (t % 32u))) != 0u {
             let local = corners_of(triangles[source.triangle + t]);
             let triangle = placed_triangle(view, source, local, square);
-            let box = box_in_band(view, local, triangle, rows);
-            if box.high.y >= box.low.y && !triangle.is_edge_on {
-                enqueue(t, u32(box.high.y - box.low.y + 1));
+            let box = whole_box_of(view, placed(local.x), placed(local.y), placed(local.z), triangle);
+            let first = first_row(box, share);
+            if box.high.y >= first && !triangle.is_edge_on {
+                enqueue(t, u32(box.high.y - first) / share.bands + 1u);
             }
         }
     }
     workgroupBarrier();
     let all = atomicLoad(&queued);
-    for (var row = thread; row < (all >> 9u); row += THREADS) {
-        resolve_row(view, source, chunk, square, rows, row, all & 0x1ffu);
+    for (var i = thread; i < LANES * (all >> 9u); i += THREADS) {
+        resolve_row(view, source, share, i / LANES, all & 0x1ffu, i32(i % LANES));
     }
     workgroupBarrier();
 }
 
-// First and last row of a band.
-fn band_of(view: View, band: u32) -> vec2<i32> {
-    let size = (i32(view.resolution) + i32(BANDS) - 1) / i32(BANDS);
-    return vec2<i32>(i32(band) * size, min((i32(band) + 1) * size, i32(view.resolution)) - 1);
+// A box's first row of a band.
+fn first_row(box: Box, share: Share) -> i32 {
+    return box.low.y + i32((share.band + share.bands - u32(box.low.y) % share.bands) % share.bands);
 }
 
-fn box_in_band(view: View, local: vec3<u32>, triangle: Triangle, rows: vec2<i32>) -> Box {
-    let box = whole_box_of(view, placed(local.x), placed(local.y), placed(local.z), triangle);
-    return Box(vec2<i32>(box.low.x, max(box.low.y, rows.x)), vec2<i32>(box.high.x, min(box.high.y, rows.y)));
-}
-
-fn resolve_row(view: View, source: ChunkSource, chunk: u32, square: u32, rows: vec2<i32>, row: u32, count: u32) {
+fn resolve_row(view: View, source: ChunkSource, share: Share, row: u32, count: u32, lane: i32) {
+    let square = share.part % SQUARES;
     let entry = triangle_of_row(row, count);
     let t = entry & 0xffu;
     let local = corners_of(triangles[source.triangle + t]);
     let triangle = placed_triangle(view, source, local, square);
-    let box = box_in_band(view, local, triangle, rows);
-    let y = box.low.y + i32(row - (entry >> 8u));
+    let box = whole_box_of(view, placed(local.x), placed(local.y), placed(local.z), triangle);
+    let y = first_row(box, share) + i32((row - (entry >> 8u)) * share.bands);
     let v = texel_v(view, f32(y));
     let span = row_span(view, triangle, box, y);
-    let number = number_of(chunk, t);
-    for (var x = span.x; x <= span.y; x += 4) {
+    let number = number_of(share.part / SQUARES, t);
+    for (var x = span.x + 4 * lane; x <= span.y; x += 4 * i32(LANES)) {
         // Four at a time, as the culling does.
-        let quad = row_texels(view, source, local, triangle, x, span.y, v);
         let at = row_places(view, square, x, y, span.y);
         let stored = stored_depths(at);
-        for (var i = 0; i < 4; i += 1) {
-            if NUMBERS {
-                if quad[i] > 0u && is_same_depth(triangle, bitcast<f32>(quad[i]), bitcast<f32>(stored[i])) {
-                    atomicMax(&numbers[at[i]], number);
-                }
-            } else if quad[i] > 0u && stored[i] <= quad[i] {
-                atomicMax(&depths[at[i]], quad[i]);
-            }
-        }
+        resolve_texel(view, source, local, triangle, vec2<i32>(x, span.y), v, at.x, stored.x, number);
+        resolve_texel(view, source, local, triangle, vec2<i32>(x + 1, span.y), v, at.y, stored.y, number);
+        resolve_texel(view, source, local, triangle, vec2<i32>(x + 2, span.y), v, at.z, stored.z, number);
+        resolve_texel(view, source, local, triangle, vec2<i32>(x + 3, span.y), v, at.w, stored.w, number);
     }
 }
 
-// Bits of the depths of four texels of a row, 0 where the triangle doesn't cover them or the row has ended.
-fn row_texels(
+// Draws or numbers a texel, `x.x`, unless it is past the row's last one, `x.y`.
+fn resolve_texel(
     view: View,
     source: ChunkSource,
     local: vec3<u32>,
     triangle: Triangle,
-    x: i32,
-    last: i32,
+    x: vec2<i32>,
     v: f32,
-) -> vec4<u32> {
-    var result: vec4<u32>;
-    for (var i = 0; i < 4; i += 1) {
-        let q = scaled_direction(vec2<f32>(texel_u(view, f32(x + i)), v));
-        let z = depth_at(triangle, q);
-        let is_covered = select(covers(triangle, q), covers_nearly(triangle, q), NUMBERS);
-        if is_covered && is_looked_up(view, q.xy) && z > 0.0 && z <= 1.0 && x + i <= last {
-            result[i] = select(bitcast<u32>(z), 0u, is_in_hole(source, local, triangle, q));
-        }
+    at: u32,
+    stored: u32,
+    number: u32,
+) {
+    let q = scaled_direction(vec2<f32>(texel_u(view, f32(x.x)), v));
+    let z = depth_at(triangle, q);
+    var shows = x.x <= x.y && is_looked_up(view, q.xy) && z > 0.0 && z <= 1.0;
+    if NUMBERS {
+        shows = shows && covers_nearly(triangle, q) && is_same_depth(triangle, z, bitcast<f32>(stored));
+    } else {
+        shows = shows && covers(triangle, q) && bitcast<u32>(z) > stored;
     }
-    return result;
+    // Holes are looked for last, since that is what takes time.
+    if !shows || is_in_hole(source, local, triangle, q) {
+        return;
+    }
+    if NUMBERS {
+        atomicMax(&numbers[at], number);
+    } else {
+        atomicMax(&depths[at], bitcast<u32>(z));
+    }
 }
 
 // Whether a masked triangle has a hole where a ray in the direction q meets it: the corners' shares there are in proportion

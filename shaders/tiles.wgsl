@@ -26,3 +26,16 @@ fn tile_centre(view: View, x: u32, y: u32) -> vec2<f32> {
 fn tile_reach(view: View) -> vec2<f32> {
     return vec2<f32>((0.5 * f32(TILE) - 0.5) * view.texel);
 }
+
+// Where a tile has its counters: how many triangles touch it, whether there was room or not; and a depth that all of its texels
+// surely have at least, as the bits of a float.
+fn counter_of(view: View, tile: u32) -> u32 {
+    return view.tile_counters + 2u * tile;
+}
+
+const TILE_LEAST: u32 = 1u;
+
+// Where a tile's list begins.
+fn tile_list(view: View, tile: u32) -> u32 {
+    return view.tile_lists + tile * ROOM;
+}

@@ -125,18 +125,26 @@ fn depth_limits(near: f32, a: Corner, b: Corner, c: Corner) -> vec2<f32> {
     return vec2<f32>(select(0.0, farthest, is_bounded), select(3e38, nearest, is_bounded));
 }
 
-// Whether a triangle covers the direction q. Its neighbour at an edge says the opposite with the same bits, or both do.
-fn covers(triangle: Triangle, q: vec3<f32>) -> bool {
-    return dot(triangle.e0, q) >= 0.0 && dot(triangle.e1, q) >= 0.0 && dot(triangle.e2, q) >= 0.0;
+// Products of a direction with the planes of a triangle's edges, none negative where the triangle covers it. Its neighbour at an
+// edge finds the opposite with the same bits, or both cover it.
+fn edges_at(triangle: Triangle, q: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(dot(triangle.e0, q), dot(triangle.e1, q), dot(triangle.e2, q));
 }
 
-// The same with room for what another shader, which may round otherwise, took for covered: as the sine of an angle.
+fn covers(triangle: Triangle, q: vec3<f32>) -> bool {
+    return all(edges_at(triangle, q) >= vec3<f32>(0.0));
+}
+
+// Room in these products for what another shader, which may round otherwise, took for covered.
+fn edge_slack(triangle: Triangle) -> vec3<f32> {
+    return SAME_EDGE * vec3<f32>(length(triangle.e0), length(triangle.e1), length(triangle.e2));
+}
+
+// The sine of an angle.
 const SAME_EDGE: f32 = 1e-6;
 
 fn covers_nearly(triangle: Triangle, q: vec3<f32>) -> bool {
-    let edges = vec3<f32>(dot(triangle.e0, q), dot(triangle.e1, q), dot(triangle.e2, q));
-    let lengths = vec3<f32>(length(triangle.e0), length(triangle.e1), length(triangle.e2));
-    return all(edges >= -SAME_EDGE * lengths);
+    return all(edges_at(triangle, q) >= -edge_slack(triangle));
 }
 
 // How far apart two shaders may find the depth of one triangle at one texel: relative to what is summed, which cancels where

@@ -39,12 +39,15 @@ struct View {
     winner_capacity: u32,
     // Where the item's counters are.
     counters: u32,
+    // Where the counters of all items' tiles begin, and their lists.
+    tile_counters: u32,
+    tile_lists: u32,
     // The map's upper left texel, the front's, and its layer.
     left: u32,
     top: u32,
     layer: u32,
     // FLAG_* below.
-    @size(120) flags: u32,
+    @size(112) flags: u32,
 }
 
 // The map starts from that of the static casters, or from what the caller has drawn.
@@ -68,34 +71,52 @@ const BLOCK: u32 = 8u;
 const RECORD: u32 = 4u;
 const SQUARE_SHIFT: u32 = 29u;
 
+// Whether a record touches so few tiles that eight threads bin it, without jobs.
+fn is_narrow(tiles: u32) -> bool {
+    let size = ((tiles >> 16u) & 0xffu) - (tiles & 0xffu) + 1u;
+    return size * ((tiles >> 24u) - ((tiles >> 8u) & 0xffu) + 1u) <= BLOCK;
+}
+
 // Number of a triangle, with one added so that 0 is none.
 fn number_of(chunk: u32, t: u32) -> u32 {
     return ((chunk << 8u) | t) + 1u;
 }
 
-// An item's counters: records, jobs and winners wanted, whether there was room or not, and entries of the lists below.
+// An item's counters: records, jobs and winners wanted, whether there was room or not; entries of the lists below, and the
+// most bands of any of them.
 const COUNTER_RECORDS: u32 = 0u;
 const COUNTER_JOBS: u32 = 1u;
 const COUNTER_WINNERS: u32 = 2u;
 const COUNTER_LISTS: u32 = 3u;
+const COUNTER_BANDS: u32 = 6u;
 
-// A *part* is a chunk as one map sees it: its number is `SQUARES` times the chunk's, and the map's. There are two lists of
-// parts with bits of their triangles: of those that won a texel when they were drawn but found no room among the winners, and
-// of those that were put off.
-const LIST_DRAWN: u32 = 0u;
-const LIST_DEFERRED: u32 = 1u;
-const LISTS: u32 = 2u;
-// Words of a part's bits in a list.
+// A *part* is a chunk as one map sees it: its number is `SQUARES` times the chunk's, and the map's. A part has bits of those of
+// its triangles that won a texel when they were drawn, for where they find no room among the winners, and of those that are
+// put off.
+const BITS_DRAWN: u32 = 0u;
+const BITS_DEFERRED: u32 = 1u;
+const BITS: u32 = 2u;
+// Lists of parts with bits: of masked triangles that are put off, of large ones in case that there isn't room, and of those
+// without room among the winners.
+const LIST_MASKED: u32 = 0u;
+const LIST_LARGE: u32 = 1u;
+const LIST_DRAWN: u32 = 2u;
+// Words of a part's bits of each kind.
 const PART_BITS: u32 = 8u;
+// An entry of a list has the part's number and, above, into how many bands its rows are shared out, less one: a band is every
+// so manieth row.
+const LISTED_PART: u32 = 0x7ffffffu;
+const BANDS_SHIFT: u32 = 27u;
+const MOST_BANDS: u32 = 32u;
 
 // Where a part's bits are.
-fn bits_of(view: View, part: u32, list: u32) -> u32 {
-    return view.first_bits + (part * LISTS + list) * PART_BITS;
+fn bits_of(view: View, part: u32, kind: u32) -> u32 {
+    return view.first_bits + (part * BITS + kind) * PART_BITS;
 }
 
 // Where a list begins.
 fn list_of(view: View, list: u32) -> u32 {
-    return view.first_bits + SQUARES * view.end_chunk * (LISTS * PART_BITS + list);
+    return view.first_bits + SQUARES * view.end_chunk * (BITS * PART_BITS + list);
 }
 
 // Map coordinates of a texel's centre.

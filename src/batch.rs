@@ -40,12 +40,13 @@ const BLOCK: u32 = 8;
 /// Large triangles of an item that there is room for at most, counted in each map; with more they are drawn another
 /// way.
 const MOST_RECORDS: u64 = 1 << 18;
-/// Small triangles of an item that there is room for at most; so many have half of a binding's 128 MiB.
-const MOST_WINNERS: u64 = 1 << 24;
-/// Jobs of the binning that there is room for however few records.
-const FEWEST_JOBS: u64 = 1 << 16;
-/// Words of a part's bits in both lists, and of its entries in the lists; twins of `PART_BITS` and others.
-const BITS: u32 = 2 * (8 + 1);
+/// Small triangles of an item that there is room for at most. With the jobs of all records they have at most half of a
+/// binding's 128 MiB, the tiles' lists the other half.
+const MOST_WINNERS: u64 = 1 << 22;
+/// Counters of a tile: large triangles that touch it, and its least depth.
+pub(crate) const TILE_COUNTERS: u32 = 2;
+/// Words of a part's bits, and of its entries in the lists; twins of `PART_BITS` and others.
+const BITS: u32 = 2 * 8 + 3;
 /// Bytes of the workspace of a batch of several items.
 const BATCH_BYTES: u64 = 128 << 20;
 
@@ -60,7 +61,7 @@ pub(crate) struct Share {
     pub(crate) winners: u32,
     /// Words.
     pub(crate) bits: u32,
-    /// Whether there may be more records, jobs or winners than room.
+    /// Whether there may be more records or winners than room, or for tests jobs.
     pub(crate) overflows: bool,
 }
 
@@ -70,8 +71,7 @@ impl Share {
         let squares = shape.projection.squares;
         let most = u64::from(squares) * casters.triangle_count();
         let records = most.clamp(64, MOST_RECORDS);
-        let most_jobs = records * u64::from(across.div_ceil(BLOCK));
-        let jobs = most_jobs.min(FEWEST_JOBS.max(4 * records));
+        let jobs = records * u64::from(across.div_ceil(BLOCK));
         // At most one for each texel, nearly always.
         let texels = u64::from(squares) * u64::from(shape.resolution) * u64::from(shape.resolution);
         let winners = most.min(texels.min(MOST_WINNERS)).max(64);
@@ -81,7 +81,7 @@ impl Share {
             jobs: jobs as u32,
             winners: winners as u32,
             bits: squares * BITS * casters.chunk_count().max(1),
-            overflows: most > records.min(winners) || most_jobs > jobs,
+            overflows: most > records.min(winners),
         }
     }
 
@@ -91,21 +91,28 @@ impl Share {
         Self { records: records.min(self.records), jobs: jobs.min(self.jobs), overflows, ..self }
     }
 
+    /// Words of an item's counters of tiles and bits of parts.
+    pub(crate) fn state(&self) -> u32 {
+        TILE_COUNTERS * self.tiles + self.bits
+    }
+
+    /// Words of an item's lists, with `room` entries a tile.
+    pub(crate) fn lists(&self, room: u32) -> u64 {
+        u64::from(self.jobs) + u64::from(self.winners) + u64::from(self.tiles) * u64::from(room)
+    }
+
     /// Bytes of an item's share, with lists of `room` entries.
     pub(crate) fn bytes(&self, room: u32) -> u64 {
-        let texels = 8 * u64::from(TILE * TILE);
-        let tiles = u64::from(self.tiles) * (texels + 8 + 4 * u64::from(room));
-        tiles
-            + 64 * u64::from(self.records)
-            + 4 * (u64::from(self.jobs) + u64::from(self.winners) + u64::from(self.bits))
+        let texels = 8 * u64::from(TILE * TILE) * u64::from(self.tiles);
+        texels + 64 * u64::from(self.records) + 4 * (self.lists(room) + u64::from(self.state()))
     }
 
     /// Items of a batch, of so many as there are. `limit` is the most that a buffer may have.
     pub(crate) fn items(&self, lights: u32, room: u32, limit: u64) -> u32 {
-        let list = 4 * u64::from(room.max(TILE * TILE)) * u64::from(self.tiles);
-        let lists = 4 * (u64::from(self.jobs) + u64::from(self.winners));
-        let widest =
-            [list, lists, 64 * u64::from(self.records), 4 * u64::from(self.bits)].into_iter().fold(1, u64::max);
+        let texels = 4 * u64::from(TILE * TILE) * u64::from(self.tiles);
+        let widest = [texels, 4 * self.lists(room), 64 * u64::from(self.records), 4 * u64::from(self.state())]
+            .into_iter()
+            .fold(1, u64::max);
         let fit = (BATCH_BYTES / self.bytes(room)).min(limit / widest);
         fit.clamp(1, u64::from(MOST_ITEMS.min(lights.max(1)))) as u32
     }

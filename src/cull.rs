@@ -7,7 +7,7 @@ use crate::view::{Projection, SLOT};
 use crate::workspace::Workspace;
 
 /// Texels along a side of the largest box of a triangle that is drawn at once.
-const SMALL: u32 = 6;
+const SMALL: u32 = 8;
 /// The same in software, where tiles are slower.
 const SOFTWARE_SMALL: u32 = 64;
 
@@ -37,6 +37,7 @@ impl Cull {
             ("THREADS", f64::from(workgroups.chunk_threads())),
             ("REJECT", f64::from(u8::from(reject))),
             ("SMALL", f64::from(small)),
+            ("ROWS_OF_BAND", f64::from(workgroups.rows_of_band())),
         ];
         let pipeline = gpu::compute_pipeline(device, "cull", &module, &[&layout], &constants);
         Self { pipeline, layout, workgroups }
@@ -62,7 +63,8 @@ impl Cull {
         gpu::bind_after_views(device, "cull", &self.layout, views, &buffers)
     }
 
-    /// Records a batch of `items` items, of which `first` is the first of the recording.
+    /// Records a batch of `items` items, of which `first` is the first of the recording. `may_split` where nothing is put off:
+    /// then several workgroups take a part if there are few, each some of its triangles.
     pub(crate) fn record(
         &self,
         pass: &mut wgpu::ComputePass,
@@ -70,10 +72,14 @@ impl Cull {
         first: u32,
         items: u32,
         parts: u32,
+        may_split: bool,
     ) {
         debug_assert!(items <= MOST_ITEMS);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[first * SLOT as u32]);
-        pass.dispatch_workgroups(parts.clamp(1, self.workgroups.most_groups()), 1, items);
+        let groups = parts.clamp(1, self.workgroups.part_groups());
+        let idle = self.workgroups.part_groups() / (groups * items);
+        let split = if may_split { 1 << idle.clamp(1, self.workgroups.most_split()).ilog2() } else { 1 };
+        pass.dispatch_workgroups(groups, split, items);
     }
 }

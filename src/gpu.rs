@@ -178,7 +178,7 @@ pub(crate) fn check(device: &wgpu::Device) -> Result<(), Error> {
 /// How the stages share their work out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Workgroups {
-    /// A thread for each triangle of a chunk and each quad of a tile.
+    /// A thread for each triangle of a chunk and each pair of a tile's texels.
     Gpu,
     /// Few threads with much to do, for devices in software: there a barrier costs a microsecond for every eight threads.
     Software,
@@ -203,24 +203,44 @@ impl Workgroups {
         self.choose(256, 8)
     }
 
-    /// Workgroups that chunks are shared out among. In software so many that none takes more than some dozen: llvmpipe ends
-    /// the loops of an invocation after 65,535 rounds in all.
-    pub(crate) fn most_groups(self) -> u32 {
-        self.choose(8192, 1024)
+    /// Workgroups that parts are shared out among: on a GPU about twice as many as run at a time. In software so many that none
+    /// takes more than some dozen: llvmpipe ends the loops of an invocation after 65,535 rounds in all.
+    pub(crate) fn part_groups(self) -> u32 {
+        self.choose(2048, 1024)
     }
 
-    /// Bands of rows that what is drawn late is shared out in, for the same reason.
-    pub(crate) fn bands(self) -> u32 {
-        self.choose(1, 8)
+    /// Workgroups that share a part at most.
+    pub(crate) fn most_split(self) -> u32 {
+        self.choose(4, 1)
+    }
+
+    /// Workgroups that what is drawn late is shared out among; in software many, for the same reason.
+    pub(crate) fn late_groups(self) -> u32 {
+        self.choose(1024, 8192)
+    }
+
+    /// Rows of what is drawn late that a workgroup takes at a time, about: each does what comes before the rows anew.
+    pub(crate) fn rows_of_band(self) -> u32 {
+        self.choose(64, 256)
+    }
+
+    /// Threads that share a row of what is drawn late.
+    pub(crate) fn row_lanes(self) -> u32 {
+        self.choose(8, 1)
+    }
+
+    /// Fewer winners than this are shared out among several threads each, as they leave most of a GPU idle.
+    pub(crate) fn few_winners(self) -> u32 {
+        self.choose(32_768, 0)
     }
 
     /// Workgroups that lists are shared out among.
     pub(crate) fn list_groups(self) -> u32 {
-        self.choose(4096, 64)
+        self.choose(1024, 64)
     }
 
-    /// Quads of a tile that a thread takes.
-    pub(crate) fn quads(self) -> u32 {
+    /// Pairs of a tile's texels that a thread takes.
+    pub(crate) fn pairs(self) -> u32 {
         self.choose(1, 8)
     }
 

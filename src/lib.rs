@@ -67,8 +67,8 @@
 //! [`paraboloid`] has the mapping as functions, `ARCHITECTURE.md` how the crate is built and why.
 
 mod arena;
+mod assign;
 mod batch;
-mod bin;
 mod casters;
 mod chunks;
 #[cfg(feature = "compare")]
@@ -86,7 +86,6 @@ mod maps;
 mod mask;
 mod mesh_records;
 mod neighbours;
-mod number;
 pub mod paraboloid;
 mod ranges;
 mod rasterise;

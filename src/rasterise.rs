@@ -3,8 +3,11 @@
 use crate::batch::MOST_ITEMS;
 use crate::gpu::{self, Workgroups};
 use crate::maps::{self, Maps, Target};
-use crate::view::{MapShape, Projection, SLOT, View};
+use crate::view::{MapShape, SLOT, View};
 use crate::workspace::Workspace;
+
+/// So few tiles leave much of a GPU idle.
+const FEW_TILES: u32 = 4096;
 
 #[derive(Debug)]
 pub(crate) struct Rasterise {
@@ -23,10 +26,15 @@ struct Nothing {
 
 impl Rasterise {
     /// With lists of `room` entries a tile.
-    pub(crate) fn new(device: &wgpu::Device, projection: Projection, workgroups: Workgroups, room: u32) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, shape: &MapShape, workgroups: Workgroups, room: u32) -> Self {
         let layout = layout(device);
-        let module = gpu::shader(device, "rasterise", crate::wgsl::rasterise(projection, workgroups.quads()));
-        let constants = [("ROOM", f64::from(room)), ("BATCHED", f64::from(u8::from(workgroups.has_cheap_barriers())))];
+        let module = gpu::shader(device, "rasterise", crate::wgsl::rasterise(shape.projection, workgroups.pairs()));
+        let flag = |value: bool| f64::from(u8::from(value));
+        let constants = [
+            ("ROOM", f64::from(room)),
+            ("BATCHED", flag(workgroups.has_cheap_barriers())),
+            ("IN_FOURS", flag(shape.all_tiles() <= FEW_TILES)),
+        ];
         let pipeline = gpu::compute_pipeline(device, "rasterise", &module, &[&layout], &constants);
         let nothing = |format| {
             let usage = wgpu::TextureUsages::TEXTURE_BINDING;
@@ -50,8 +58,8 @@ impl Rasterise {
         target: Target,
         custom: Option<&wgpu::TextureView>,
     ) -> wgpu::BindGroup {
-        let Workspace { records, state, tiles, tile_lists, depths, numbers, .. } = workspace;
-        let buffers = [records, state, tiles, tile_lists, depths, numbers];
+        let Workspace { records, state, lists, depths, numbers, .. } = workspace;
+        let buffers = [records, state, lists, depths, numbers];
         let [map_depths, map_numbers] = maps.views(target);
         // The static casters' maps are made from nothing.
         let [static_depths, static_numbers] = match target {
@@ -92,7 +100,6 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let read = |sample_type| BindingType::Texture { sample_type, view_dimension: D2Array, multisampled: false };
     let types = [
         buffer(BufferBindingType::Uniform, true),
-        storage(true),
         storage(true),
         storage(false),
         storage(true),

@@ -29,7 +29,7 @@ impl Resolve {
             let constants = [
                 ("THREADS", f64::from(workgroups.chunk_threads())),
                 ("NUMBERS", f64::from(u8::from(numbers))),
-                ("BANDS", f64::from(workgroups.bands())),
+                ("LANES", f64::from(workgroups.row_lanes())),
             ];
             gpu::compute_pipeline(device, "resolve", &module, &[&layout, &mask_layout], &constants)
         };
@@ -71,7 +71,8 @@ impl Resolve {
         pass.set_pipeline(if numbers { &self.numbers } else { &self.deferred });
         pass.set_bind_group(0, &groups[0], &[first * SLOT as u32]);
         pass.set_bind_group(1, &groups[1], &[]);
-        let groups = parts.clamp(1, self.workgroups.most_groups());
-        pass.dispatch_workgroups(groups, self.workgroups.bands(), items);
+        // Parts have several bands.
+        let groups = parts.saturating_mul(8).clamp(1, self.workgroups.late_groups());
+        pass.dispatch_workgroups(groups, 1, items);
     }
 }

@@ -1,8 +1,8 @@
 //! The lights' maps: which are stale, and the order in which their stages are recorded.
 
 use crate::Error;
+use crate::assign::Assign;
 use crate::batch::{FROM_CUSTOM, FROM_STATIC, Item, MASKED, MOST_ITEMS, MOVING, STATIC, Share};
-use crate::bin::Bin;
 use crate::casters::Casters;
 use crate::cull::Cull;
 use crate::custom::{CasterPass, Custom};
@@ -10,7 +10,6 @@ use crate::gpu::{self, Workgroups};
 use crate::light::PointLight;
 use crate::lookup::Lookup;
 use crate::maps::{Maps, Target};
-use crate::number::Number;
 use crate::rasterise::Rasterise;
 use crate::resolve::Resolve;
 use crate::schedule::{self, Due, Light, Stale};
@@ -79,8 +78,7 @@ pub struct PointShadows {
     lookup: Lookup,
     cull: Cull,
     resolve: Resolve,
-    number: Number,
-    bin: Bin,
+    assign: Assign,
     rasterise: Rasterise,
     custom: Custom,
     workspace: Workspace,
@@ -150,8 +148,7 @@ struct Groups {
     key: (u32, u64),
     cull: wgpu::BindGroup,
     resolve: [wgpu::BindGroup; 2],
-    number: wgpu::BindGroup,
-    bin: wgpu::BindGroup,
+    assign: wgpu::BindGroup,
     /// For the maps of static casters, if those are kept.
     rasterise_static: Option<wgpu::BindGroup>,
     rasterise_live: wgpu::BindGroup,
@@ -188,9 +185,10 @@ impl PointShadows {
         let PointShadowsDescriptor { capacity, keep_static, .. } = *descriptor;
         let Tuning { reject, workgroups, small, room, records, jobs } = *tuning;
         let (projection, tiles) = (shape.projection, shape.all_tiles());
-        let room = room.min((device.limits().max_storage_buffer_binding_size / 4 / u64::from(tiles)) as u32).max(1);
+        // Jobs and winners have the other half of the binding.
+        let room = room.min((device.limits().max_storage_buffer_binding_size / 8 / u64::from(tiles)) as u32).max(1);
         let maps = Maps::new(device, shape.extent(capacity), keep_static);
-        let share = Share { tiles, records: 64, jobs: 64, winners: 64, bits: 36, overflows: false };
+        let share = Share { tiles, records: 64, jobs: 64, winners: 64, bits: 38, overflows: false };
         Ok(Self {
             shape,
             capacity,
@@ -201,9 +199,8 @@ impl PointShadows {
             maps,
             cull: Cull::new(device, projection, workgroups, reject, small),
             resolve: Resolve::new(device, projection, workgroups),
-            number: Number::new(device, projection, workgroups),
-            bin: Bin::new(device, projection, workgroups, room),
-            rasterise: Rasterise::new(device, projection, workgroups, room),
+            assign: Assign::new(device, projection, workgroups, room),
+            rasterise: Rasterise::new(device, &shape, workgroups, room),
             custom: Custom::new(device, capacity),
             workspace: Workspace::new(device, share, room, Most { records, jobs }, 1, MOST_ITEMS),
             views: view_buffer(device, capacity),
@@ -372,7 +369,7 @@ impl PointShadows {
         if replaced || self.groups.as_ref().is_none_or(|groups| groups.key != key) {
             self.groups = Some(self.bind(device, casters, key));
         }
-        self.workspace.clear_counters(encoder, count);
+        self.workspace.clear_counters(queue, count);
         for batch in batches {
             if let Some(draw) = draw.as_deref_mut().filter(|_| batch.start >= first_live) {
                 for (layer, number) in (0..).zip(batch.clone()) {
@@ -408,19 +405,19 @@ impl PointShadows {
             label: Some("dual_paraboloid::maps"),
             timestamp_writes: None,
         });
-        self.cull.record(&mut pass, &groups.cull, first, items, parts);
-        let has_deferred = share.overflows || casters.triangles_of(MASKED) > 0;
+        let masked = casters.triangles_of(MASKED);
+        let puts_off = share.overflows || masked > 0;
+        self.cull.record(&mut pass, &groups.cull, first, items, parts, !puts_off);
         if self.until >= Stage::Number {
-            if has_deferred {
-                self.resolve.record(&mut pass, &groups.resolve, first, items, parts, false);
+            // Parts that have something put off, at most.
+            let late = if share.overflows { parts } else { parts.min(self.shape.projection.squares * masked as u32) };
+            if puts_off {
+                self.resolve.record(&mut pass, &groups.resolve, first, items, late, false);
             }
-            self.number.record(&mut pass, &groups.number, first, items, share.winners);
-            if has_deferred {
-                self.resolve.record(&mut pass, &groups.resolve, first, items, parts, true);
+            self.assign.record(&mut pass, &groups.assign, first, items, share, self.until >= Stage::Bin);
+            if puts_off {
+                self.resolve.record(&mut pass, &groups.resolve, first, items, late, true);
             }
-        }
-        if self.until >= Stage::Bin {
-            self.bin.record(&mut pass, &groups.bin, first, items, share.jobs);
         }
         if self.until >= Stage::Rasterise {
             let group = match target {
@@ -461,8 +458,7 @@ impl PointShadows {
             key,
             cull: self.cull.bind_group(device, views, casters, workspace),
             resolve: self.resolve.bind_groups(device, views, casters, workspace),
-            number: self.number.bind_group(device, views, casters, workspace),
-            bin: self.bin.bind_group(device, views, workspace),
+            assign: self.assign.bind_group(device, views, casters, workspace),
             rasterise_static: self.maps.keep_static().then(|| rasterise(Target::Static, None)),
             rasterise_live: rasterise(Target::Live, self.custom.depths()),
         }
@@ -523,8 +519,8 @@ impl PointShadows {
 
     /// Bytes on the GPU: the maps, twice with [`keep_static`](PointShadowsDescriptor::keep_static), and what the lights
     /// share: the workspace of up to eight of them at a time, and a few KiB for each. The workspace has 128 MiB at most,
-    /// unless a single light takes more: 32 MiB at a resolution of 1024, in proportion to its square, there at most 28 MiB
-    /// for large and winning triangles, and 144 bytes a chunk.
+    /// unless a single light takes more: 32 MiB at a resolution of 1024, in proportion to its square, there at most 32 MiB
+    /// for large and winning triangles, and 152 bytes a chunk.
     #[must_use]
     pub fn memory(&self) -> u64 {
         self.maps.memory() + self.workspace.memory() + self.views.size() + self.custom.memory() + self.lookup.memory()

@@ -115,11 +115,13 @@ pub(crate) struct View {
     first_winner: u32,
     winner_capacity: u32,
     counters: u32,
+    tile_counters: u32,
+    tile_lists: u32,
     left: u32,
     top: u32,
     layer: u32,
     flags: u32,
-    padding: [u32; 29],
+    padding: [u32; 27],
 }
 
 /// Light space's axes in world space: the rows of the rotation from world to light space.
@@ -172,11 +174,13 @@ impl View {
             first_winner: workspace.winners(place),
             winner_capacity: share.winners,
             counters: Workspace::counters(number),
+            tile_counters: workspace.tile_counters(),
+            tile_lists: workspace.tile_lists(),
             left: 0,
             top: 0,
             layer: *layer,
             flags: start | if share.overflows { OVERFLOWS } else { 0 },
-            padding: [0; 29],
+            padding: [0; 27],
         }
     }
 }

@@ -25,6 +25,7 @@ pub(crate) const PARABOLOIDS: &str =
 const TRIANGLE: &str = include_str!("../shaders/triangle.wgsl");
 const TILES: &str = include_str!("../shaders/tiles.wgsl");
 const CHUNK: &str = include_str!("../shaders/chunk.wgsl");
+const ASSIGN: &str = include_str!("../shaders/assign.wgsl");
 const NUMBER: &str = include_str!("../shaders/number.wgsl");
 const CULL: &str = include_str!("../shaders/cull.wgsl");
 const RESOLVE: &str = include_str!("../shaders/resolve.wgsl");
@@ -111,17 +112,13 @@ pub(crate) fn resolve(projection: Projection) -> String {
     [projection.text, CASTERS, VIEW, TRIANGLE, CHUNK, MESHES, MASK, RESOLVE].concat()
 }
 
-pub(crate) fn number(projection: Projection) -> String {
-    [projection.text, CASTERS, VIEW, TRIANGLE, NUMBER].concat()
+pub(crate) fn assign(projection: Projection) -> String {
+    [projection.text, CASTERS, VIEW, TRIANGLE, TILES, NUMBER, BIN, ASSIGN].concat()
 }
 
-pub(crate) fn bin(projection: Projection) -> String {
-    [projection.text, VIEW, TILES, BIN].concat()
-}
-
-/// Each thread takes `quads` quads of a tile.
-pub(crate) fn rasterise(projection: Projection, quads: u32) -> String {
-    [projection.text, VIEW, TILES, &format!("const QUADS: u32 = {quads}u;\n"), RASTERISE].concat()
+/// Each thread takes `pairs` pairs of a tile's texels.
+pub(crate) fn rasterise(projection: Projection, pairs: u32) -> String {
+    [projection.text, VIEW, TILES, &format!("const PAIRS: u32 = {pairs}u;\n"), RASTERISE].concat()
 }
 
 pub(crate) fn mask_copy() -> String {
@@ -145,12 +142,11 @@ pub fn modules() -> Vec<(&'static str, String)> {
 }
 
 /// Those that make the maps.
-pub(crate) fn maps(projection: Projection) -> [(&'static str, String); 6] {
+pub(crate) fn maps(projection: Projection) -> [(&'static str, String); 5] {
     [
         ("cull", cull(projection)),
         ("resolve", resolve(projection)),
-        ("number", number(projection)),
-        ("bin", bin(projection)),
+        ("assign", assign(projection)),
         ("rasterise", rasterise(projection, 1)),
         ("rasterise_software", rasterise(projection, 8)),
     ]

@@ -1,6 +1,6 @@
 //! What the stages of a batch hand on to one another. All of it is as it was, zero, once the last stage is done.
 
-use crate::batch::{MOST_ITEMS, Share, TILE};
+use crate::batch::{MOST_ITEMS, Share, TILE, TILE_COUNTERS};
 use crate::gpu;
 
 /// Words of an item's counters; twins in `shaders/view.wgsl`.
@@ -20,13 +20,10 @@ pub(crate) struct Workspace {
     pub(crate) depths: wgpu::Buffer,
     /// The triangle that has it.
     pub(crate) numbers: wgpu::Buffer,
-    /// Of each tile, how many large triangles touch it, and its least depth.
-    pub(crate) tiles: wgpu::Buffer,
-    pub(crate) tile_lists: wgpu::Buffer,
     pub(crate) records: wgpu::Buffer,
-    /// Jobs of the binning, then winners.
+    /// Jobs of the binning, then winners, then the tiles' lists of large triangles.
     pub(crate) lists: wgpu::Buffer,
-    /// Counters of all items of a recording, then the chunks' bits of a batch.
+    /// Counters of all items of a recording; of a batch the tiles' counters, and then the chunks' bits.
     pub(crate) state: wgpu::Buffer,
     share: Share,
     room: u32,
@@ -44,15 +41,14 @@ impl Workspace {
         let buffer = |what, words: u32, each: u32| {
             gpu::buffer(device, what, 4 * u64::from(words) * u64::from(each) * u64::from(items), usage)
         };
-        let state = 4 * (u64::from(COUNTERS) * u64::from(counted) + u64::from(share.bits) * u64::from(items));
+        let state = u64::from(COUNTERS * counted) + u64::from(share.state()) * u64::from(items);
+        let lists = share.lists(room) * u64::from(items);
         Self {
             depths: buffer("workspace::depths", share.tiles, TILE * TILE),
             numbers: buffer("workspace::numbers", share.tiles, TILE * TILE),
-            tiles: buffer("workspace::tiles", share.tiles, 2),
-            tile_lists: buffer("workspace::tile lists", share.tiles, room),
             records: buffer("workspace::records", share.records, 16),
-            lists: buffer("workspace::lists", share.jobs + share.winners, 1),
-            state: gpu::buffer(device, "workspace::state", state, usage),
+            lists: gpu::buffer(device, "workspace::lists", 4 * lists, usage),
+            state: gpu::buffer(device, "workspace::state", 4 * state, usage),
             share,
             room,
             most,
@@ -100,9 +96,14 @@ impl Workspace {
         COUNTERS * number
     }
 
+    /// Where the counters of a batch's tiles begin, in words.
+    pub(crate) fn tile_counters(&self) -> u32 {
+        COUNTERS * self.counted
+    }
+
     /// Where the item number `place` of a batch has its bits, in words.
     pub(crate) fn bits(&self, place: u32) -> u32 {
-        COUNTERS * self.counted + self.share.bits * place
+        self.tile_counters() + TILE_COUNTERS * self.share.tiles * self.items + self.share.bits * place
     }
 
     /// Where the item number `place` of a batch has its winners.
@@ -110,22 +111,27 @@ impl Workspace {
         self.share.jobs * self.items + self.share.winners * place
     }
 
-    /// Resets the counters of a recording of `items` items.
-    pub(crate) fn clear_counters(&self, encoder: &mut wgpu::CommandEncoder, items: u32) {
-        encoder.clear_buffer(&self.state, 0, Some(4 * u64::from(COUNTERS) * u64::from(items)));
+    /// Where the lists of a batch's tiles begin.
+    pub(crate) fn tile_lists(&self) -> u32 {
+        self.winners(self.items)
+    }
+
+    /// Resets the counters of a recording of `items` items. They travel with the views, before the recording: clearing a buffer
+    /// within it would make the stages wait once more.
+    pub(crate) fn clear_counters(&self, queue: &wgpu::Queue, items: u32) {
+        queue.write_buffer(&self.state, 0, &vec![0; 4 * (COUNTERS * items) as usize]);
     }
 
     /// Makes everything zero where the last stage isn't recorded.
     #[cfg(feature = "compare")]
     pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
-        for buffer in [&self.depths, &self.numbers, &self.tiles] {
+        for buffer in [&self.depths, &self.numbers, &self.state] {
             encoder.clear_buffer(buffer, 0, None);
         }
     }
 
     pub(crate) fn memory(&self) -> u64 {
-        let buffers =
-            [&self.depths, &self.numbers, &self.tiles, &self.tile_lists, &self.records, &self.lists, &self.state];
+        let buffers = [&self.depths, &self.numbers, &self.records, &self.lists, &self.state];
         buffers.into_iter().map(wgpu::Buffer::size).sum()
     }
 }

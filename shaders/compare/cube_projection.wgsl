@@ -40,8 +40,8 @@ fn scaled_direction(p: vec2<f32>) -> vec3<f32> {
     return vec3<f32>(p, 1.0);
 }
 
-fn scaled_directions_z(u: f32, v: vec4<f32>) -> vec4<f32> {
-    return vec4<f32>(1.0);
+fn scaled_directions_z(u: f32, v: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(1.0);
 }
 
 fn is_near(a: Corner, b: Corner, c: Corner) -> bool {
