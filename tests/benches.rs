@@ -143,7 +143,8 @@ fn check_errors(text: &str) {
 fn check_exact(text: &str) {
     let sections: Vec<&str> = text.split("\n## ").collect();
     let rows = |title: &str, row: &str| {
-        let of = sections.iter().find(|section| section.starts_with(title)).unwrap_or_else(|| panic!("{title}: {text}"));
+        let of =
+            sections.iter().find(|section| section.starts_with(title)).unwrap_or_else(|| panic!("{title}: {text}"));
         let count = of.lines().filter(|line| line.starts_with(&format!("| {row} "))).count();
         assert!(count == 2 || row == "all" && count == 1, "{row} in {of}");
     };
@@ -250,7 +251,9 @@ fn triangles_asked_of_several_lights_in_a_hurry() {
     let (success, printed, said) = bench("lookup", &arguments);
     assert!(success && !said.contains("panicked"), "{said}");
     let table = std::fs::read_to_string(table).unwrap();
-    for text in ["exact, over the pixel", "exact, points", "votes", "the same walk", "|  64 |", "|  16 |", "3 lights", "mixed"] {
+    for text in
+        ["exact, over the pixel", "exact, points", "votes", "the same walk", "|  64 |", "|  16 |", "3 lights", "mixed"]
+    {
         assert!(printed.contains(text) && table.contains(text), "{text} is missing in:\n{printed}");
     }
     let figures: Value = serde_json::from_slice(&std::fs::read(json).unwrap()).unwrap();

@@ -33,7 +33,8 @@ fn measure_at(samples: u32, name: &str, arguments: &[&str]) -> (Value, String) {
     let file = path(name);
     let _ = std::fs::remove_file(&file);
     let samples = samples.to_string();
-    let quick = ["few-large", "--samples", &samples, "--size", "96x54", "--runs", "2", "--json", file.to_str().unwrap()];
+    let quick =
+        ["few-large", "--samples", &samples, "--size", "96x54", "--runs", "2", "--json", file.to_str().unwrap()];
     let output = run(&[&quick, arguments].concat());
     assert!(output.status.success(), "{}", utf8(&output.stderr));
     let json = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
