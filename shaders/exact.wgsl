@@ -123,6 +123,8 @@ struct DpWalkEnd {
     pixels: f32,
     direction: vec2<f32>,
     depth: f32,
+    // The last triangle.
+    number: u32,
 }
 
 // The surface ends before the ray, or has a hole there.
@@ -151,123 +153,107 @@ fn dp_walk_corner(corners: u32, k: u32) -> u32 {
     return (corners >> (8u * k)) & 0xffu;
 }
 
-const DP_NO_VERTEX: u32 = 0xffffffffu;
-
 // Walks from a triangle over its neighbours towards the ray. Casters that have changed since the map was made aren't those it
 // shows.
 fn dp_walk_from(number: u32, made: u32, frame: DpWalkFrame) -> DpWalkEnd {
-    var end = DpWalkEnd(DP_WALK_LOST, 1e9, vec2<f32>(0.0), 0.0);
-    var chunk = number >> 8u;
-    if chunk >= arrayLength(&dp_chunks) {
+    var end = DpWalkEnd(DP_WALK_LOST, 1e9, vec2<f32>(0.0), 0.0, number);
+    if (number >> 8u) >= arrayLength(&dp_chunks) {
         return end;
     }
-    var place = dp_chunk(chunk);
+    var place = dp_chunk(number >> 8u);
     if place.z == 0u || place.z > made {
         return end;
     }
-    // Into the triangle that lies beyond an edge, from p to q as the ray sees it, and runs so far beyond.
-    var beyond = (number & 0xffu) << 3u;
-    var p_vertex = DP_NO_VERTEX;
-    var q_vertex = DP_NO_VERTEX;
-    var p = vec3<f32>(0.0);
-    var q = vec3<f32>(0.0);
-    var crossed = 0.0;
-    // The triangle's front faces the light; walks go as if it faced away.
-    var turned = false;
-    for (var step = 0u; step <= DP_WALK_STEPS; step++) {
-        let chunks = bitcast<i32>(beyond) >> 11u;
-        if chunks != 0 {
-            chunk = u32(i32(chunk) + chunks);
-            place = dp_chunk(chunk);
+    end.distance = DP_WALK_OFF;
+    var record = dp_mesh_record(place.y + (number & 0xffu));
+    // The edge from p to q is crossed: the ray runs so far on its other side. The triangle's third vertex is n.
+    var q_vertex = place.x + dp_walk_corner(record.x, 0u);
+    var p_vertex = place.x + dp_walk_corner(record.x, 1u);
+    var n_vertex = place.x + dp_walk_corner(record.x, 2u);
+    var q = dp_walk_see(frame, q_vertex);
+    var p = dp_walk_see(frame, p_vertex);
+    var n = dp_walk_see(frame, n_vertex);
+    var crossed = dp_walk_side(q, p);
+    var pn = dp_walk_side(p, n);
+    var nq = dp_walk_side(n, q);
+    var volume = q.z * pn + p.z * nq + n.z * crossed;
+    // Walks go as if the triangle's front faced away from the light.
+    var turned = volume < 0.0;
+    if turned {
+        crossed = -crossed;
+        pn = -pn;
+        nq = -nq;
+        volume = -volume;
+    }
+    var inside = min(crossed, min(pn, nq)) >= 0.0;
+    if !inside {
+        // Over the edge that the ray runs farthest beyond.
+        let off = vec3<f32>(dp_walk_beside(crossed, q, p), dp_walk_beside(pn, p, n), dp_walk_beside(nq, n, q));
+        var edge = 0u;
+        var from_end = q;
+        var to_end = p;
+        var from_vertex = q_vertex;
+        var to_vertex = p_vertex;
+        var side = crossed;
+        if off.y < off.x {
+            edge = 1u;
+            from_end = p;
+            to_end = n;
+            from_vertex = p_vertex;
+            to_vertex = n_vertex;
+            side = pn;
         }
-        let record = dp_mesh_record(place.y + ((beyond >> 3u) & 0xffu));
-        let entered = beyond & 3u;
-        turned = turned != ((beyond & 4u) != 0u);
-        let one = place.x + dp_walk_corner(record.x, entered);
-        let other = place.x + dp_walk_corner(record.x, dp_walk_turn(entered, 1u));
-        let n_vertex = place.x + dp_walk_corner(record.x, dp_walk_turn(entered, 2u));
-        let p_here = select(other, one, turned);
-        let q_here = select(one, other, turned);
-        // The first triangle, another chunk's, or where a deforming mesh may have come apart.
-        if p_here != p_vertex || q_here != q_vertex {
-            p = dp_walk_see(frame, p_here);
-            q = dp_walk_see(frame, q_here);
-            p_vertex = p_here;
-            q_vertex = q_here;
-            crossed = dp_walk_side(q, p);
+        if off.z < min(off.x, off.y) {
+            edge = 2u;
+            from_end = n;
+            to_end = q;
+            from_vertex = n_vertex;
+            to_vertex = q_vertex;
+            side = nq;
         }
-        let n = dp_walk_see(frame, n_vertex);
-        var pn = dp_walk_side(p, n);
-        var nq = dp_walk_side(n, q);
-        var volume = q.z * pn + p.z * nq + n.z * crossed;
-        let begins = step == 0u;
-        if begins && volume < 0.0 {
-            turned = true;
-            volume = -volume;
-            let swapped = p;
-            p = q;
-            q = swapped;
-            let swapped_vertex = p_vertex;
-            p_vertex = q_vertex;
-            q_vertex = swapped_vertex;
-            let side = pn;
-            pn = -nq;
-            nq = -side;
-            crossed = -crossed;
-        }
-        if begins {
-            end.distance = DP_WALK_OFF;
-        }
-        // It faces the other way: what is behind it the first texel didn't see.
-        if volume < 0.0 {
-            break;
-        }
-        if min(pn, nq) >= 0.0 && (crossed >= 0.0 || !begins) {
-            let sum = pn + nq + crossed;
-            if crossed < 0.0 || volume == 0.0 || sum <= 0.0 {
+        p = select(from_end, to_end, turned);
+        q = select(to_end, from_end, turned);
+        p_vertex = select(from_vertex, to_vertex, turned);
+        q_vertex = select(to_vertex, from_vertex, turned);
+        crossed = -side;
+        var beyond = dp_walk_beyond(record, edge);
+        for (var step = 0u; step < DP_WALK_STEPS; step++) {
+            if (beyond & 3u) == 3u {
                 break;
             }
-            end.distance = volume / sum;
-            var edge = dp_walk_edge(frame, q, p, crossed);
-            let edge_pn = dp_walk_edge(frame, p, n, pn);
-            let edge_nq = dp_walk_edge(frame, n, q, nq);
-            edge = select(edge, edge_pn, edge_pn.x < edge.x);
-            edge = select(edge, edge_nq, edge_nq.x < edge.x);
-            if (place.w & DP_MASKED) != 0u {
-                // Alpha at the ray, and at the next pixels.
-                let sides = vec3<f32>(pn, nq, crossed);
-                let vertices = vec3<u32>(q_vertex, p_vertex, n_vertex);
-                let normals = mat3x2<f32>(
-                    vec2<f32>(p.y * n.z - p.z * n.y, p.z * n.x - p.x * n.z),
-                    vec2<f32>(n.y * q.z - n.z * q.y, n.z * q.x - n.x * q.z),
-                    vec2<f32>(q.y * p.z - q.z * p.y, q.z * p.x - q.x * p.z),
-                );
-                let edge_mask = dp_walk_mask(frame, vertices, sides, normals);
-                if edge_mask.x < 0.0 {
-                    end.depth = end.distance;
-                    end.distance = DP_WALK_OFF;
-                    edge = -edge_mask;
-                }
-                edge = select(edge, edge_mask, edge_mask.x >= 0.0 && edge_mask.x < edge.x);
+            let chunks = bitcast<i32>(beyond) >> 11u;
+            let chunk = u32(i32(end.number >> 8u) + chunks);
+            if chunks != 0 {
+                place = dp_chunk(chunk);
             }
-            end.pixels = edge.x;
-            end.direction = edge.yz;
-            return end;
-        }
-        // Over the edge that the ray runs farthest beyond, but never back.
-        let over_pn = dp_walk_beside(pn, p, n);
-        let over_nq = dp_walk_beside(nq, n, q);
-        let first = over_pn < over_nq;
-        if begins && dp_walk_beside(crossed, q, p) < min(over_pn, over_nq) {
-            beyond = dp_walk_beyond(record, entered);
-            let swapped = p;
-            p = q;
-            q = swapped;
-            let swapped_vertex = p_vertex;
-            p_vertex = q_vertex;
-            q_vertex = swapped_vertex;
-            crossed = -crossed;
-        } else {
+            end.number = (chunk << 8u) | ((beyond >> 3u) & 0xffu);
+            record = dp_mesh_record(place.y + (end.number & 0xffu));
+            let entered = beyond & 3u;
+            turned = turned != ((beyond & 4u) != 0u);
+            let one = place.x + dp_walk_corner(record.x, entered);
+            let other = place.x + dp_walk_corner(record.x, dp_walk_turn(entered, 1u));
+            n_vertex = place.x + dp_walk_corner(record.x, dp_walk_turn(entered, 2u));
+            let p_here = select(other, one, turned);
+            let q_here = select(one, other, turned);
+            // Another chunk's, or where a deforming mesh may have come apart.
+            if p_here != p_vertex || q_here != q_vertex {
+                p = dp_walk_see(frame, p_here);
+                q = dp_walk_see(frame, q_here);
+                p_vertex = p_here;
+                q_vertex = q_here;
+                crossed = dp_walk_side(q, p);
+            }
+            n = dp_walk_see(frame, n_vertex);
+            pn = dp_walk_side(p, n);
+            nq = dp_walk_side(n, q);
+            volume = q.z * pn + p.z * nq + n.z * crossed;
+            inside = min(pn, nq) >= 0.0;
+            // It faces the other way: what is behind it the first texel didn't see.
+            if inside || volume < 0.0 {
+                beyond = DP_NOTHING;
+                break;
+            }
+            let first = dp_walk_beside(pn, p, n) < dp_walk_beside(nq, n, q);
             beyond = dp_walk_beyond(record, dp_walk_turn(entered, select(1u, 2u, first == turned)));
             if first {
                 q = n;
@@ -279,21 +265,48 @@ fn dp_walk_from(number: u32, made: u32, frame: DpWalkFrame) -> DpWalkEnd {
                 crossed = -nq;
             }
         }
-        if (beyond & 3u) == 3u {
-            end.distance = select(DP_WALK_LOST, DP_WALK_OFF, beyond == DP_NOTHING);
-            break;
-        }
-        if step == DP_WALK_STEPS {
+        if beyond != DP_NOTHING {
             end.distance = DP_WALK_LOST;
+            return end;
         }
     }
-    // Over the edge from p to q.
-    let edge = dp_walk_edge(frame, q, p, crossed);
-    let along = q.xy - p.xy;
-    let share = clamp(-dot(p.xy, along) / max(dot(along, along), 1e-30), 0.0, 1.0);
+    if inside && end.number == number && turned {
+        let swapped = p;
+        p = q;
+        q = swapped;
+        let swapped_vertex = p_vertex;
+        p_vertex = q_vertex;
+        q_vertex = swapped_vertex;
+        let side = pn;
+        pn = nq;
+        nq = side;
+    }
+    var edge = dp_walk_edge(frame, q, p, crossed);
+    let sum = pn + nq + crossed;
+    if inside && volume > 0.0 && crossed >= 0.0 && sum > 0.0 {
+        end.distance = volume / sum;
+        let edge_pn = dp_walk_edge(frame, p, n, pn);
+        let edge_nq = dp_walk_edge(frame, n, q, nq);
+        edge = select(edge, edge_pn, edge_pn.x < edge.x);
+        edge = select(edge, edge_nq, edge_nq.x < edge.x);
+        if (place.w & DP_MASKED) != 0u {
+            let sides = vec3<f32>(pn, nq, crossed);
+            let mask = dp_walk_mask(frame, vec3<u32>(q_vertex, p_vertex, n_vertex), q, p, n, sides);
+            if mask.x < 0.0 {
+                end.depth = end.distance;
+                end.distance = DP_WALK_OFF;
+                edge = -mask;
+            } else {
+                edge = select(edge, mask, mask.x < edge.x);
+            }
+        }
+    } else {
+        let along = q.xy - p.xy;
+        let share = saturate(-dot(p.xy, along) / max(dot(along, along), 1e-30));
+        end.depth = mix(p.z, q.z, share);
+    }
     end.pixels = edge.x;
     end.direction = edge.yz;
-    end.depth = mix(p.z, q.z, share);
     return end;
 }
 
@@ -303,24 +316,35 @@ fn dp_walk_beyond(record: vec4<u32>, k: u32) -> u32 {
 }
 
 // Where a masked triangle ends at a hole, or the hole at the triangle, in which it is negative: as `dp_walk_edge`, by the
-// triangle's vertices, the sides of the edges opposite to them and the normals of their planes.
-fn dp_walk_mask(frame: DpWalkFrame, vertices: vec3<u32>, sides: vec3<f32>, normals: mat3x2<f32>) -> vec3<f32> {
+// triangle's vertices and the sides of the edges opposite to them.
+fn dp_walk_mask(
+    frame: DpWalkFrame,
+    vertices: vec3<u32>,
+    q: vec3<f32>,
+    p: vec3<f32>,
+    n: vec3<f32>,
+    sides: vec3<f32>,
+) -> vec3<f32> {
     let a = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.x).w));
     let b = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.y).w));
     let c = dp_mask_vertex(bitcast<u32>(dp_vertex(vertices.z).w));
-    let beside = 1.0 / frame.distance;
+    // Alpha at the ray, and at those through the next pixels.
     var alphas = vec3<f32>(0.0);
     for (var k = 0u; k < 3u; k++) {
-        let step = select(select(frame.down, frame.across, k == 1u), vec2<f32>(0.0), k == 0u) * beside;
-        let shares = sides + step * normals;
+        let aside = select(select(frame.down, frame.across, k == 1u), vec2<f32>(0.0), k == 0u) / frame.distance;
+        let shares = sides + vec3<f32>(
+            dot(aside, vec2<f32>(p.y * n.z - p.z * n.y, p.z * n.x - p.x * n.z)),
+            dot(aside, vec2<f32>(n.y * q.z - n.z * q.y, n.z * q.x - n.x * q.z)),
+            dot(aside, vec2<f32>(q.y * p.z - q.z * p.y, q.z * p.x - q.x * p.z)),
+        );
         let alpha = dp_mask_margin(a, b, c, shares * (1.0 / (shares.x + shares.y + shares.z)));
         alphas = select(alphas, vec3<f32>(alpha), vec3<u32>(0u, 1u, 2u) == vec3<u32>(k));
     }
     let change = alphas.yz - alphas.x;
     let size = dot(change, change);
     let inverse = inverseSqrt(max(size, 1e-30));
-    let far = select(1e9, -1e9, alphas.x < 0.0);
-    return vec3<f32>(select(alphas.x * inverse, far, size < 1e-30), change * inverse);
+    let even = select(1e9, -1e9, alphas.x < 0.0);
+    return vec3<f32>(select(alphas.x * inverse, even, size < 1e-30), change * inverse);
 }
 
 // What is known of a receiver whose texels disagree.
@@ -425,20 +449,23 @@ fn dp_walk_pixel(
     light: u32,
     position: vec3<f32>,
     normal: vec3<f32>,
-    pixel: mat2x3<f32>,
+    view: vec4<f32>,
     first: DpWalkFirst,
     most: f32,
 ) -> f32 {
     let quad = first.quad;
-    let lead = select(quad.lead, dp_walk_least(quad.triangles), quad.lead == DP_NO_TRIANGLE);
+    var lead = select(quad.lead, dp_walk_least(quad.triangles), quad.lead == DP_NO_TRIANGLE);
     if lead == DP_NO_TRIANGLE {
         return select(quad.votes, 1.0, quad.own_seen && !quad.lost);
     }
     let relative = position - dp_lights[light].position;
     let distance = length(relative);
     var frame = dp_walk_frame(dp_lights[light].position, relative * (1.0 / distance), distance);
-    frame.across = dp_walk_flat(frame, dp_walk_within(normal, pixel[0], most));
-    frame.down = dp_walk_flat(frame, dp_walk_within(normal, pixel[1], most));
+    if view.w != 0.0 {
+        let pixel = dp_pixel(view, position, normal);
+        frame.across = dp_walk_flat(frame, dp_walk_within(pixel[0], most));
+        frame.down = dp_walk_flat(frame, dp_walk_within(pixel[1], most));
+    }
     var over = quad.over;
     var middle = 0.5;
     for (var k = 0u; k < 2u; k++) {
@@ -457,6 +484,8 @@ fn dp_walk_pixel(
                 if margin > over {
                     blocked = true;
                     edge = vec3<f32>(end.pixels, end.direction);
+                    // What is in the way here is so a little farther, if anything is.
+                    lead = end.number;
                     break;
                 }
                 own = own || margin > quad.own;
@@ -483,8 +512,7 @@ fn dp_walk_pixel(
     return 0.0;
 }
 
-// A step on the receiver's plane of `most` at most.
-fn dp_walk_within(normal: vec3<f32>, step: vec3<f32>, most: f32) -> vec3<f32> {
-    let along = step - normal * (dot(normal, step) / max(dot(normal, normal), 1e-30));
-    return along * min(1.0, most * inverseSqrt(max(dot(along, along), 1e-30)));
+// A step, but not longer than `most`.
+fn dp_walk_within(step: vec3<f32>, most: f32) -> vec3<f32> {
+    return step * min(1.0, most * inverseSqrt(max(dot(step, step), 1e-30)));
 }

@@ -24,33 +24,33 @@ const DP_GOLDEN_ANGLE: f32 = 2.3999632;
 const DP_TURN: f32 = 6.2831853;
 
 // By the light's own filter.
-fn dp_shadow_filtered(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, pixel, noise, dp_lights[light].filtering);
+fn dp_shadow_filtered(light: u32, position: vec3<f32>, normal: vec3<f32>, view: vec4<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, view, noise, dp_lights[light].filtering);
 }
 
 // `dp_shadow` decided for light or darkness: the sharpest edge that the maps give.
-fn dp_shadow_hard(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, pixel, noise, DpFilter(DP_HARD, 0.0, 0u));
+fn dp_shadow_hard(light: u32, position: vec3<f32>, normal: vec3<f32>, view: vec4<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, view, noise, DpFilter(DP_HARD, 0.0, 0u));
 }
 
 // The mean over 3 x 3 texels around the receiver.
-fn dp_shadow_pcf3(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, pixel, noise, DpFilter(DP_PCF3, 0.0, 0u));
+fn dp_shadow_pcf3(light: u32, position: vec3<f32>, normal: vec3<f32>, view: vec4<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, view, noise, DpFilter(DP_PCF3, 0.0, 0u));
 }
 
 // The mean over 5 x 5 texels around the receiver.
-fn dp_shadow_pcf5(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, pixel, noise, DpFilter(DP_PCF5, 0.0, 0u));
+fn dp_shadow_pcf5(light: u32, position: vec3<f32>, normal: vec3<f32>, view: vec4<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, view, noise, DpFilter(DP_PCF5, 0.0, 0u));
 }
 
 // The mean over a disc of directions as wide as the light's `Filter::Disc` has it; else `dp_shadow`.
-fn dp_shadow_disc(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, pixel, noise, dp_own_filter(light, DP_DISC));
+fn dp_shadow_disc(light: u32, position: vec3<f32>, normal: vec3<f32>, view: vec4<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, view, noise, dp_own_filter(light, DP_DISC));
 }
 
 // The share of a sphere of the radius that the light's `Filter::Soft` has; else `dp_shadow`.
-fn dp_shadow_soft(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>, noise: f32) -> f32 {
-    return dp_shadow_with(light, position, normal, pixel, noise, dp_own_filter(light, DP_SOFT));
+fn dp_shadow_soft(light: u32, position: vec3<f32>, normal: vec3<f32>, view: vec4<f32>, noise: f32) -> f32 {
+    return dp_shadow_with(light, position, normal, view, noise, dp_own_filter(light, DP_SOFT));
 }
 
 // The light's settings of a kind of filter, of no size if it has another kind.
@@ -64,7 +64,7 @@ fn dp_shadow_with(
     light: u32,
     position: vec3<f32>,
     normal: vec3<f32>,
-    pixel: mat2x3<f32>,
+    view: vec4<f32>,
     noise: f32,
     filtering: DpFilter,
 ) -> f32 {
@@ -75,10 +75,7 @@ fn dp_shadow_with(
     if filtering.kind == DP_PCF3 || filtering.kind == DP_PCF5 {
         return dp_sample_across(light, receiver, select(3u, 2u, filtering.kind == DP_PCF3));
     }
-    var at = pixel;
-    if filtering.kind == DP_HARD {
-        at = mat2x3<f32>();
-    }
+    let at = select(view, vec4<f32>(0.0), filtering.kind == DP_HARD);
     let sharp = dp_sample_sharp(light, position, normal, at, receiver);
     switch filtering.kind {
         case DP_HARD: {

@@ -73,21 +73,20 @@ struct DpReceiver {
 
 // Share of the light that reaches `position`, from 0 (dark) to 1 (lit), over the pixel in which it is seen. Points out of the
 // light's range are lit: the light's falloff is what ends them. `normal` is the triangle's own (not a shading normal), of
-// any length and either sign; world space both. The columns of `pixel` are the steps on the surface from one pixel to the
-// next, across and down, see `dp_pixel`: edges are smooth over that. All zeros ask for the point alone. May be called anywhere,
-// in loops over lights too.
-fn dp_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>) -> f32 {
+// any length and either sign; world space both. `view` has the camera's position, and in w the angle that a pixel spans, of
+// a perspective camera 2 tan(fov / 2) over the picture's height in pixels: edges are as wide as a pixel. An angle of 0 asks for
+// the point alone. May be called anywhere, in loops over lights too.
+fn dp_shadow(light: u32, position: vec3<f32>, normal: vec3<f32>, view: vec4<f32>) -> f32 {
     let receiver = dp_locate(light, position, normal);
     if dp_is_known(light, receiver) {
         return dp_known(light, receiver);
     }
-    return dp_sample_sharp(light, position, normal, pixel, receiver);
+    return dp_sample_sharp(light, position, normal, view, receiver);
 }
 
-// The steps from one pixel to the next on a surface that a camera at `eye` sees, for `dp_shadow`. `angle` is a pixel's: of a
-// perspective camera 2 tan(fov / 2) over the picture's height in pixels.
-fn dp_pixel(eye: vec3<f32>, position: vec3<f32>, normal: vec3<f32>, angle: f32) -> mat2x3<f32> {
-    let to = position - eye;
+// The steps from one pixel to the next on a surface that a camera sees.
+fn dp_pixel(view: vec4<f32>, position: vec3<f32>, normal: vec3<f32>) -> mat2x3<f32> {
+    let to = position - view.xyz;
     let ray = normalize(to);
     // Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017.
     let s = select(-1.0, 1.0, ray.z >= 0.0);
@@ -98,7 +97,7 @@ fn dp_pixel(eye: vec3<f32>, position: vec3<f32>, normal: vec3<f32>, angle: f32) 
     let along = dot(normal, ray);
     let least = 0.05 * length(normal);
     let over = select(min(along, -least), max(along, least), along > 0.0);
-    let size = angle * length(to);
+    let size = view.w * length(to);
     return mat2x3<f32>(
         (across - ray * (dot(normal, across) / over)) * size,
         (down - ray * (dot(normal, down) / over)) * size,

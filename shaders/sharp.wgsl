@@ -30,7 +30,7 @@ fn dp_sample_sharp(
     light: u32,
     position: vec3<f32>,
     normal: vec3<f32>,
-    pixel: mat2x3<f32>,
+    view: vec4<f32>,
     receiver: DpReceiver,
 ) -> f32 {
     let first = dp_walk_first(light, position, receiver);
@@ -39,5 +39,5 @@ fn dp_sample_sharp(
     }
     // A texel: around the pixel's middle its four texels know what is there.
     let most = 2.0 * receiver.distance / dp_lights[light].texels;
-    return dp_walk_pixel(light, position, normal, pixel, first, most);
+    return dp_walk_pixel(light, position, normal, view, first, most);
 }

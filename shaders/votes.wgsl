@@ -5,7 +5,7 @@ fn dp_sample_sharp(
     light: u32,
     position: vec3<f32>,
     normal: vec3<f32>,
-    pixel: mat2x3<f32>,
+    view: vec4<f32>,
     receiver: DpReceiver,
 ) -> f32 {
     return dp_sample_bilinear(light, receiver);

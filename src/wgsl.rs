@@ -36,7 +36,7 @@ const SHARP: &str = include_str!("../shaders/sharp.wgsl");
 const VOTES: &str = include_str!("../shaders/votes.wgsl");
 const FILTER: &str = include_str!("../shaders/filter.wgsl");
 
-/// WGSL to put before or after a renderer's own, for `dp_shadow(light, position, normal, pixel) -> f32` and the filters. `group`
+/// WGSL to put before or after a renderer's own, for `dp_shadow(light, position, normal, view) -> f32` and the filters. `group`
 /// is the number under which the renderer sets [`PointShadows::bind_group`](crate::PointShadows::bind_group), `casters` that
 /// for [`Casters::bind_group`](crate::Casters::bind_group). Everything it declares begins with `dp_` or `Dp`, and it declares
 /// no other binding: two textures, a sampler and four storage buffers.
@@ -46,7 +46,7 @@ const FILTER: &str = include_str!("../shaders/filter.wgsl");
 /// | `light: u32` | [`LightId::index`](crate::LightId::index) |
 /// | `position: vec3<f32>` | a point of a surface, in world space |
 /// | `normal: vec3<f32>` | the normal of its triangle, not a shading normal; any length, either sign. In a fragment shader `cross(dpdx(position), dpdy(position))` |
-/// | `pixel: mat2x3<f32>` | the steps on that surface to the next pixels, over which edges are smooth: `dp_pixel(eye, position, normal, angle)` has them for a camera at `eye` of whose pixels each spans `angle` radians. All zeros for the point alone |
+/// | `view: vec4<f32>` | the camera's position and the angle that a pixel spans, over which edges are smooth: of a perspective camera `2 * tan(fov_y / 2) / height` radians. An angle of 0 for the point alone |
 ///
 /// The answer is the share of the light that arrives, from 0 to 1. All filters have these arguments and `noise`, in [0, 1],
 /// which turns the spiral of those that take taps along one:

@@ -107,10 +107,10 @@ fn shade(in: Surface) -> Radiance {
     var lit = vec3<f32>();
     var shadow = 0.0;
     var first = 0.0;
-    let pixel = dp_pixel(frame.eye, in.position, geometric, frame.pixel_angle);
+    let camera = vec4<f32>(frame.eye, frame.pixel_angle);
     let noise = interleaved_gradient_noise(in.clip.xy);
     for (var i = 0u; i < arrayLength(&lights); i += 1u) {
-        let visible = dp_shadow_filtered(lights[i].index, in.position, geometric, pixel, noise);
+        let visible = dp_shadow_filtered(lights[i].index, in.position, geometric, camera, noise);
         lit += irradiance(lights[i], in.position, normal, geometric) * visible;
         shadow += visible;
         first = select(first, visible, i == 0u);

@@ -78,7 +78,7 @@ fn cube_walk_first(light: u32, position: vec3<f32>, at: CubeWalkReceiver) -> DpW
 }
 
 // `dp_shadow` in a cube.
-fn cube_shadow_walk(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>) -> f32 {
+fn cube_shadow_walk(light: u32, position: vec3<f32>, normal: vec3<f32>, view: vec4<f32>) -> f32 {
     let at = cube_walk_locate(light, position, normal);
     if at.receiver.distance > dp_lights[light].range {
         return 1.0;
@@ -87,7 +87,7 @@ fn cube_shadow_walk(light: u32, position: vec3<f32>, normal: vec3<f32>, pixel: m
     if !first.mixed {
         return first.value;
     }
-    return dp_walk_pixel(light, position, normal, pixel, first, at.receiver.w / dp_lights[light].texels);
+    return dp_walk_pixel(light, position, normal, view, first, at.receiver.w / dp_lights[light].texels);
 }
 
 // What `dp_shadow` of lookup.wgsl calls: it reads a pair, and nobody asks it here.
@@ -95,7 +95,7 @@ fn dp_sample_sharp(
     light: u32,
     position: vec3<f32>,
     normal: vec3<f32>,
-    pixel: mat2x3<f32>,
+    view: vec4<f32>,
     receiver: DpReceiver,
 ) -> f32 {
     return 1.0;

@@ -290,8 +290,8 @@ impl Baseline {
         if !lookup.takes_pixel() {
             return self.shadow_values(gpu, lookup, receivers);
         }
-        let pixel = format!("dp_pixel(vec3<f32>({:?}, {:?}, {:?}), position, normal, {angle:?})", eye.x, eye.y, eye.z);
-        let text = evaluation_over(&pixel, lookup.expression());
+        let view = format!("vec4<f32>({:?}, {:?}, {:?}, {angle:?})", eye.x, eye.y, eye.z);
+        let text = evaluation_over(&view, lookup.expression());
         self.answers(gpu, lookup, &self.evaluator_of(gpu, lookup, &text, receivers)?)
     }
 

@@ -179,7 +179,7 @@ impl Gpu {
         self.lookup_values(
             shadows,
             casters,
-            &format!("dp_shadow({}u, position, normal, pixel)", light.index()),
+            &format!("dp_shadow({}u, position, normal, view)", light.index()),
             receivers,
         )
     }
@@ -187,7 +187,7 @@ impl Gpu {
     /// What `dp_shadow` of the lookup without triangles says of each receiver.
     #[must_use]
     pub fn vote_values(&self, shadows: &PointShadows, light: LightId, receivers: &[(Vec3, Vec3)]) -> Vec<f32> {
-        let call = format!("dp_shadow({}u, position, normal, pixel)", light.index());
+        let call = format!("dp_shadow({}u, position, normal, view)", light.index());
         let text = [crate::wgsl::lookup_votes(0), evaluation(&call)].concat();
         self.evaluate(&text, &[(shadows.bind_group(), shadows.bind_group_layout())], receivers)
     }
@@ -201,11 +201,11 @@ impl Gpu {
         light: LightId,
         receivers: &[(Vec3, Vec3)],
     ) -> Vec<f32> {
-        let call = format!("dp_shadow_filtered({}u, position, normal, pixel, 0.0)", light.index());
+        let call = format!("dp_shadow_filtered({}u, position, normal, view, 0.0)", light.index());
         self.lookup_values(shadows, casters, &call, receivers)
     }
 
-    /// What a WGSL expression over `position`, `normal` and `pixel` gives, with the text of the library's lookup.
+    /// What a WGSL expression over `position`, `normal` and `view` gives, with the text of the library's lookup.
     #[must_use]
     pub fn lookup_values(
         &self,
@@ -330,16 +330,16 @@ impl Evaluator {
 /// Group of the receivers and values in [`evaluation`].
 const EVALUATION_GROUP: usize = 3;
 
-/// Entry point `evaluate`, which writes the value of a WGSL expression over `position`, `normal` and an empty `pixel` for
+/// Entry point `evaluate`, which writes the value of a WGSL expression over `position`, `normal` and a `view` without pixels for
 /// each receiver.
 #[must_use]
 pub fn evaluation(expression: &str) -> String {
-    evaluation_over("mat2x3<f32>()", expression)
+    evaluation_over("vec4<f32>(0.0)", expression)
 }
 
-/// [`evaluation`] with another WGSL expression, over `position` and `normal`, for the `pixel`.
+/// [`evaluation`] with another WGSL expression, over `position` and `normal`, for the `view`.
 #[must_use]
-pub fn evaluation_over(pixel: &str, expression: &str) -> String {
+pub fn evaluation_over(view: &str, expression: &str) -> String {
     format!(
         "
 @group({EVALUATION_GROUP}) @binding(0) var<storage, read> receivers: array<f32>;
@@ -351,7 +351,7 @@ fn evaluate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         let at = 6u * i;
         let position = vec3<f32>(receivers[at], receivers[at + 1u], receivers[at + 2u]);
         let normal = vec3<f32>(receivers[at + 3u], receivers[at + 4u], receivers[at + 5u]);
-        let pixel = {pixel};
+        let view = {view};
         values[i] = {expression};
     }}
 }}

@@ -108,7 +108,7 @@ impl Question {
         let (text, expression) = match self {
             Self::Nothing => (Lookup::Votes.text(0), "dot(position, normal)"),
             Self::Lookup(lookup) => (lookup.text_unturned(0), lookup.expression()),
-            Self::Point => (Lookup::Paraboloid.text(0), "dp_shadow(0u, position, normal, mat2x3<f32>())"),
+            Self::Point => (Lookup::Paraboloid.text(0), "dp_shadow(0u, position, normal, vec4<f32>(0.0))"),
             Self::Texels(side) => {
                 let text = TEXELS.replace("TEXELS", &side.to_string());
                 ([Lookup::Votes.text(0), text].concat(), "texels_shadow(0u, position, normal)")
@@ -118,7 +118,7 @@ impl Question {
                 ([&Lookup::CubeHardware.text_unturned(0), CUBE_FILTER].concat(), kernel.cube_expression())
             }
         };
-        (text, expression.replace("pixel", "dp_pixel(camera.xyz, position, normal, camera.w)"))
+        (text, expression.replace("view", "camera"))
     }
 }
 
@@ -128,10 +128,10 @@ impl Kernel {
 
     fn expression(self) -> &'static str {
         match self {
-            Self::Square3 => "dp_shadow_pcf3(0u, position, normal, pixel, 0.5)",
-            Self::Square5 => "dp_shadow_pcf5(0u, position, normal, pixel, 0.5)",
-            Self::Disc => "dp_shadow_with(0u, position, normal, pixel, 0.5, DpFilter(DP_DISC, 0.01, 16u))",
-            Self::Soft => "dp_shadow_with(0u, position, normal, pixel, 0.5, DpFilter(DP_SOFT, 0.1, 32u))",
+            Self::Square3 => "dp_shadow_pcf3(0u, position, normal, view, 0.5)",
+            Self::Square5 => "dp_shadow_pcf5(0u, position, normal, view, 0.5)",
+            Self::Disc => "dp_shadow_with(0u, position, normal, view, 0.5, DpFilter(DP_DISC, 0.01, 16u))",
+            Self::Soft => "dp_shadow_with(0u, position, normal, view, 0.5, DpFilter(DP_SOFT, 0.1, 32u))",
         }
     }
 

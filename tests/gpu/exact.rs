@@ -84,15 +84,15 @@ fn maps_out_of_date_are_safe_to_ask() {
         shadows.add(lamp(Vec3::new(k as f32 - 1.0, 3.0, 0.3))).unwrap();
     }
     let receivers = on_floor(3000, 4.0, &mut random);
-    let calls: Vec<String> = (0..LIGHTS).map(|k| format!("dp_shadow({k}u, position, normal, pixel)")).collect();
+    let calls: Vec<String> = (0..LIGHTS).map(|k| format!("dp_shadow({k}u, position, normal, view)")).collect();
     let answer = format!(
-        "fn answer(position: vec3<f32>, normal: vec3<f32>, pixel: mat2x3<f32>) -> f32 {{
+        "fn answer(position: vec3<f32>, normal: vec3<f32>, view: vec4<f32>) -> f32 {{
             let sum = {};
             return select(sum, -f32(dp_out_of_range), dp_out_of_range > 0u);
         }}",
         calls.join(" + ")
     );
-    let text = [checked_lookup(), answer, evaluation("answer(position, normal, pixel)")].concat();
+    let text = [checked_lookup(), answer, evaluation("answer(position, normal, view)")].concat();
     let layouts = [shadows.bind_group_layout(), casters.bind_group_layout()];
     let evaluator = gpu().evaluator(&text, &layouts, &receivers);
     let place = |random: &mut Pcg64| {
@@ -269,22 +269,24 @@ fn edges_are_smooth_over_a_pixel() {
     let edge = -0.5;
     let receivers: Vec<(Vec3, Vec3)> =
         (-1000..=1000).map(|k| (Vec3::new(edge + 2e-5 * k as f32, 0.0, 0.02 + 1e-4 * k as f32), Vec3::Y)).collect();
-    let pixel = format!("mat2x3<f32>({STEP}, 0.0, 0.0, 0.0, 0.0, {STEP})");
-    let call = format!("dp_shadow({}u, position, normal, {pixel})", id.index());
+    // From straight above, a pixel is as wide as a step.
+    let view = format!("vec4<f32>({edge:?}, 10.0, 0.0, {:?})", STEP / 10.0);
+    let call = format!("dp_shadow({}u, position, normal, {view})", id.index());
     let over_pixels = gpu().lookup_values(&shadows, &casters, &call, &receivers);
     let points = values(&shadows, &casters, id, &receivers);
     let (mut sum, mut worst) = (0.0, 0.0f32);
     for (((position, _), value), point) in receivers.iter().zip(over_pixels).zip(points) {
         let lit = (edge - position.x) / STEP;
-        assert_eq!(point, if lit > 0.0 { 1.0 } else { 0.0 }, "at {position}, {lit} pixels from the edge");
+        let decides = (position.x - edge).abs() > 1e-6;
+        assert!(!decides || point == f32::from(lit > 0.0), "at {position}, {lit} pixels from the edge");
         let error = (value - (0.5 + lit).clamp(0.0, 1.0)).abs();
         sum += error;
         worst = worst.max(error);
     }
-    // Six points: shares of a sixth.
     let mean = sum / receivers.len() as f32;
     println!("worst {worst}, mean {mean}");
-    assert!(worst <= 0.25 && mean <= 0.05, "{worst}, mean {mean}");
+    // Where the edge runs just past the four texels that are asked, they agree.
+    assert!(worst <= 0.25 && mean <= 0.005, "{worst}, mean {mean}");
 }
 
 /// Holes are seen through to the point: alpha decides where the ray to the receiver goes through.

@@ -252,7 +252,7 @@ fn filters_by_name_are_those_of_the_light() {
     let names = ["dp_shadow_hard", "", "dp_shadow_pcf3", "dp_shadow_pcf5", "dp_shadow_disc", "dp_shadow_soft"];
     for (filter, name) in FILTERS.into_iter().zip(names).filter(|(_, name)| !name.is_empty()) {
         let own = filtered(&mut made, light, filter, &inputs);
-        let call = format!("{name}(0u, position, normal, pixel, 0.0)");
+        let call = format!("{name}(0u, position, normal, view, 0.0)");
         assert_eq!(own, gpu().lookup_values(&made.shadows, &made.casters, &call, &inputs), "{name}");
         assert!(own != sharp || filter == Filter::Hard, "{name}");
         assert!(own.iter().all(|share| (0.0..=1.0).contains(share)), "{name}");

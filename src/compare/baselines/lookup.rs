@@ -74,18 +74,18 @@ impl Lookup {
     }
 
     /// The WGSL expression for the share of the light that reaches `position`, on a surface of the geometric normal
-    /// `normal`, both variables of type `vec3<f32>` in world space, over a `pixel` as `dp_shadow` takes it.
+    /// `normal`, both variables of type `vec3<f32>` in world space, over a `view` as `dp_shadow` takes it.
     #[must_use]
     pub fn expression(self) -> &'static str {
         match self {
-            Self::Paraboloid | Self::Votes => "dp_shadow(0u, position, normal, pixel)",
-            Self::Filtered => "dp_shadow_filtered(0u, position, normal, pixel, 0.0)",
+            Self::Paraboloid | Self::Votes => "dp_shadow(0u, position, normal, view)",
+            Self::Filtered => "dp_shadow_filtered(0u, position, normal, view, 0.0)",
             Self::VertexWarp => "warp_shadow(position, normal)",
             Self::VertexWarpShipped => "warp_shadow_shipped(position, normal)",
             Self::CubeHardware => "cube_shadow_hardware(position, normal)",
             Self::CubeShipped => "cube_shadow_shipped(position, normal)",
             Self::CubePlane => "cube_shadow_plane(position, normal)",
-            Self::CubeWalk => "cube_shadow_walk(0u, position, normal, pixel)",
+            Self::CubeWalk => "cube_shadow_walk(0u, position, normal, view)",
         }
     }
 

@@ -62,12 +62,10 @@ impl LightsQuestion {
         match self {
             Self::Nothing => (Lookup::Votes.text(0), "dot(position, normal)"),
             Self::HardwareCube => (cube_array_text(0), "cube_array_shadow(light, position, normal)"),
-            Self::Exact(_) => (Lookup::Paraboloid.text(0), "dp_shadow(light, position, normal, pixel)"),
-            Self::Points(_) => (Lookup::Paraboloid.text(0), "dp_shadow(light, position, normal, mat2x3<f32>())"),
-            Self::Votes(_) => (Lookup::Votes.text(0), "dp_shadow(light, position, normal, pixel)"),
-            Self::CubeWalk(_) => {
-                (Lookup::CubeWalk.text_unturned(0), "cube_shadow_walk(light, position, normal, pixel)")
-            }
+            Self::Exact(_) => (Lookup::Paraboloid.text(0), "dp_shadow(light, position, normal, view)"),
+            Self::Points(_) => (Lookup::Paraboloid.text(0), "dp_shadow(light, position, normal, vec4<f32>(0.0))"),
+            Self::Votes(_) => (Lookup::Votes.text(0), "dp_shadow(light, position, normal, view)"),
+            Self::CubeWalk(_) => (Lookup::CubeWalk.text_unturned(0), "cube_shadow_walk(light, position, normal, view)"),
             Self::Mixed(_) => ([&Lookup::Paraboloid.text(0), MIXED].concat(), "mixed(light, position, normal)"),
         }
     }
@@ -179,11 +177,11 @@ impl<'a> LightsBench<'a> {
 
     /// The text with a sum over all lights.
     fn module(&self, text: &str, expression: &str) -> String {
-        let pixel = if expression.contains("pixel") { PIXEL } else { "" };
+        let view = if expression.contains("view") { "let view = camera;" } else { "" };
         format!(
             "{text}
 fn sum_of_lights(position: vec3<f32>, normal: vec3<f32>) -> f32 {{
-    {pixel}
+    {view}
     var sum = 0.0;
     for (var light = 0u; light < {}u; light++) {{
         sum += {expression};
@@ -271,5 +269,4 @@ fn sum_of_lights(position: vec3<f32>, normal: vec3<f32>) -> f32 {{
     }
 }
 
-const PIXEL: &str = "let pixel = dp_pixel(camera.xyz, position, normal, camera.w);";
 const SUM: &str = "sum_of_lights(position, normal)";
