@@ -42,8 +42,8 @@
 //! # }
 //! ```
 //!
-//! In the lighting shader, `dp_shadow(light, position, normal, pixel)` is the share of a light that arrives: `light` is
-//! [`LightId::index`], the normal is the triangle's own, and `dp_pixel` says over what pixel. `dp_shadow_filtered` has softer edges, by the light's [`Filter`];
+//! In the lighting shader, `dp_shadow(light, position, normal, view)` is the share of a light that arrives: `light` is
+//! [`LightId::index`], the normal is the triangle's own, and `view` the camera's position and a pixel's angle. `dp_shadow_filtered` has softer edges, by the light's [`Filter`];
 //! [`wgsl::lookup`] lists the others.
 //!
 //! The device, the queue and the encoder are the caller's, and nothing is submitted. [`PointShadows::record`] makes
