@@ -152,7 +152,9 @@ pub fn modules() -> Vec<(String, String)> {
         let (text, expression) = question.text();
         (format!("compare_shade_{number}"), pass::module(&text, &expression))
     };
-    Question::all().into_iter().enumerate().map(module).collect()
+    let lights =
+        (0..).zip(lights::modules()).map(|(number, text): (u32, _)| (format!("compare_lights_{number}"), text));
+    Question::all().into_iter().enumerate().map(module).chain(lights).collect()
 }
 
 /// What a pass takes, in itself and beside the others of its kind.

@@ -71,6 +71,41 @@ impl LightsQuestion {
     }
 }
 
+/// The text of a question with a sum over all lights.
+fn with_sum((text, expression): (String, &str), lights: u32) -> String {
+    let view = if expression.contains("view") { "let view = camera;" } else { "" };
+    format!(
+        "{text}
+fn sum_of_lights(position: vec3<f32>, normal: vec3<f32>) -> f32 {{
+    {view}
+    var sum = 0.0;
+    for (var light = 0u; light < {lights}u; light++) {{
+        sum += {expression};
+    }}
+    return sum;
+}}
+"
+    )
+}
+
+/// The complete modules of all passes over two lights.
+pub(super) fn modules() -> impl Iterator<Item = String> {
+    let questions = [LightsQuestion::Nothing, LightsQuestion::HardwareCube].into_iter().chain(of_pair(1024));
+    questions.map(|question| super::pass::module(&with_sum(question.text(), 2), SUM))
+}
+
+/// All that is asked of maps at the texels of a pair.
+fn of_pair(pair: u32) -> [LightsQuestion; 5] {
+    let all = [
+        LightsQuestion::Exact,
+        LightsQuestion::Points,
+        LightsQuestion::Votes,
+        LightsQuestion::CubeWalk,
+        LightsQuestion::Mixed,
+    ];
+    all.map(|question| question(pair))
+}
+
 const MIXED: &str = "
 fn mixed(light: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let receiver = dp_locate(light, position, normal);
@@ -153,44 +188,15 @@ impl<'a> LightsBench<'a> {
         let screen = Screen::new(gpu, shot, &lights[0]);
         let lights = lights.len() as u32;
         let mut bench = Self { gpu, screen, lights, casters, cubes, maps, passes: Vec::new() };
-        let of_pair = |&pair: &u32| {
-            let all = [
-                LightsQuestion::Exact,
-                LightsQuestion::Points,
-                LightsQuestion::Votes,
-                LightsQuestion::CubeWalk,
-                LightsQuestion::Mixed,
-            ];
-            all.map(|question| question(pair))
-        };
         let questions = [LightsQuestion::Nothing, LightsQuestion::HardwareCube];
-        for question in questions.into_iter().chain(pairs.iter().flat_map(of_pair)) {
+        for question in questions.into_iter().chain(pairs.iter().copied().flat_map(of_pair)) {
             for stage in PassStage::ALL {
-                let (text, expression) = question.text();
-                let pass =
-                    ShadePass::new(gpu, stage, &bench.bind_groups(question), &bench.module(&text, expression), SUM);
+                let text = with_sum(question.text(), bench.lights);
+                let pass = ShadePass::new(gpu, stage, &bench.bind_groups(question), &text, SUM);
                 bench.passes.push((question, stage, pass));
             }
         }
         Ok(bench)
-    }
-
-    /// The text with a sum over all lights.
-    fn module(&self, text: &str, expression: &str) -> String {
-        let view = if expression.contains("view") { "let view = camera;" } else { "" };
-        format!(
-            "{text}
-fn sum_of_lights(position: vec3<f32>, normal: vec3<f32>) -> f32 {{
-    {view}
-    var sum = 0.0;
-    for (var light = 0u; light < {}u; light++) {{
-        sum += {expression};
-    }}
-    return sum;
-}}
-",
-            self.lights
-        )
     }
 
     fn bind_groups(&self, question: LightsQuestion) -> Vec<Bound<'_>> {
