@@ -2,8 +2,8 @@
 //
 // From the triangle under a texel's centre the walk crosses edge after edge of its mesh towards the receiver's direction,
 // until a triangle has the ray inside it or the surface ends. A triangle that has it and stands before the receiver
-// shadows it for certain; the receiver's own surface, and nothing else, says that it is lit. What walks can't tell the
-// votes decide. None of this depends on the projection of the maps; sharp.wgsl has what is the pair's.
+// shadows it for certain; one that has it and doesn't, be it the receiver's own or behind it, says that it is lit. What
+// walks can't tell the votes decide. None of this depends on the projection of the maps; sharp.wgsl has what is the pair's.
 
 // Triangles beyond the first that a walk looks at.
 const DP_WALK_STEPS: u32 = 16u;
@@ -17,10 +17,9 @@ const DP_WALK_ROUNDING: f32 = 1.2e-7;
 // Up to so many footprints times the grazing factor before or behind the receiver's plane a texel holds the receiver's own
 // surface for certain. The votes' bias would let light in under contacts.
 const DP_WALK_FLAT: f32 = 0.02;
-// How far behind the receiver a triangle may lie to be of its own surface, in footprints, and once more times the grazing
-// factor.
-const DP_WALK_OWN: f32 = 0.02;
-const DP_WALK_OWN_GRAZING: f32 = 0.05;
+// Up to so many footprints times the grazing factor before or behind the receiver's plane a texel whose walk is lost speaks for
+// light.
+const DP_WALK_LEVEL: f32 = 0.05;
 const DP_NO_TRIANGLE: u32 = 0xffffffffu;
 // Beyond an edge: the surface's end. See src/neighbours.rs.
 const DP_NOTHING: u32 = 3u;
@@ -357,9 +356,8 @@ struct DpWalkQuad {
     own_seen: bool,
     // Whether a texel that votes against has no triangle to ask.
     lost: bool,
-    // Bounds of (receiver's distance / surface's distance - 1).
+    // Bound of (receiver's distance / surface's distance - 1).
     over: f32,
-    own: f32,
     // What is nearer than this to the light isn't in the map.
     nearest: f32,
     // Number of the casters' update that the map shows.
@@ -415,7 +413,7 @@ fn dp_walk_quad(
     let most = max(max(margins.x, margins.y), max(margins.z, margins.w));
     let low = select(triangles.x, triangles.y, margins.y == most);
     let dark = margins > vec4<f32>(judge.bias);
-    let level = !dark & (abs(margins) < vec4<f32>(DP_WALK_OWN_GRAZING * margins_at.grazing));
+    let level = !dark & (abs(margins) < vec4<f32>(DP_WALK_LEVEL * margins_at.grazing));
     let own = abs(margins) <= vec4<f32>(margins_at.flat_bound / margins_at.footprint);
     // Of the caller's own casters.
     let unnumbered = (triangles == vec4<u32>(DP_NO_TRIANGLE)) & (stored > vec4<f32>(0.0));
@@ -426,8 +424,6 @@ fn dp_walk_quad(
     quad.lost = any(unnumbered & dark);
     quad.triangles = select(triangles, vec4<u32>(DP_NO_TRIANGLE), own);
     quad.over = (DP_WALK_OVER + DP_WALK_OVER_GRAZING * margins_at.grazing) * margins_at.footprint + margins_at.rounding;
-    quad.own = -(DP_WALK_OWN + DP_WALK_OWN_GRAZING * margins_at.grazing) * margins_at.footprint
-        - dp_offset(light, receiver, margins_at.grazing);
     quad.nearest = dp_lights[light].near * receiver.distance / receiver.w;
     quad.made = dp_lights[light].made;
     quad.votes = dp_count(dot(weights, votes.lit), dot(weights, votes.dark));
@@ -485,7 +481,7 @@ fn dp_walk_pixel(
                     lead = end.number;
                     break;
                 }
-                own = own || margin > quad.own;
+                own = true;
             } else if end.distance < 0.0 {
                 let here = dp_walk_bits(quad.triangles == vec4<u32>(triangle));
                 lost = lost || (here & quad.dark) != 0u;

@@ -28,9 +28,9 @@ pub const ROUNDING: f64 = 1.2e-7;
 /// own surface for certain; `DP_WALK_FLAT`.
 pub const FLAT: f64 = 0.02;
 
-/// How far behind the receiver a triangle may lie to be of its own surface, in footprints, and once more times the grazing
-/// factor: `DP_WALK_OWN`, `DP_WALK_OWN_GRAZING`.
-pub const OWN: (f64, f64) = (0.02, 0.05);
+/// Up to so many footprints times the grazing factor before or behind the receiver's plane a texel whose walk is lost speaks
+/// for light; `DP_WALK_LEVEL`.
+pub const LEVEL: f64 = 0.05;
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! The functions of `shaders/exact.wgsl` under the same names, in single and in double precision.
 
-use super::{FLAT, OVER, OWN, ROUNDING, Surface};
+use super::{FLAT, LEVEL, OVER, ROUNDING, Surface};
 use crate::compare::ideal::{BIAS, FADE, MapGeometry, NO_TRIANGLE, QUORUM, RAMP, SLOPE};
 use crate::compare::reference::View;
 
@@ -190,9 +190,8 @@ macro_rules! twins {
             own_seen: bool,
             /// Whether a texel that votes against has no triangle to ask.
             lost: bool,
-            /// Bounds of (receiver's distance / surface's distance - 1).
+            /// Bound of (receiver's distance / surface's distance - 1).
             over: $float,
-            own: $float,
             /// What is nearer than this to the light isn't in the map.
             nearest: $float,
             votes: $float,
@@ -288,7 +287,7 @@ macro_rules! twins {
                 let own = margins.map(|margin| margin.abs() <= flat);
                 let margins = margins.map(|margin| margin / footprint);
                 let dark = margins.map(|margin| margin > bias);
-                let level = margins.map(|margin| margin <= bias && margin.abs() < OWN.1 as $float * grazing);
+                let level = margins.map(|margin| margin <= bias && margin.abs() < LEVEL as $float * grazing);
                 let numbers = texels.map(|(texel, _)| self.numbers[texel]);
                 // Of the caller's own casters.
                 let unnumbered = |k: &usize| numbers[*k] == NO_TRIANGLE && self.depths[texels[*k].0] > 0.0;
@@ -300,7 +299,6 @@ macro_rules! twins {
                     own_seen: own.contains(&true) || unnumbered().any(|k| level[k]),
                     lost: unnumbered().any(|k| dark[k]),
                     over: (OVER.0 as $float + OVER.1 as $float * grazing) * footprint + rounding,
-                    own: -(OWN.0 as $float + OWN.1 as $float * grazing) * footprint - offset,
                     nearest: self.view.near as $float * receiver.distance / receiver.w,
                     votes: votes(&margins, &weights, bias, spread),
                 })
@@ -345,7 +343,7 @@ macro_rules! twins {
                             if margin > quad.over {
                                 return 0.0;
                             }
-                            own |= margin > quad.own;
+                            own = true;
                         }
                         Walk::Off => {}
                         Walk::Lost => {
