@@ -241,7 +241,7 @@ impl Workgroups {
 
     /// Pairs of a tile's texels that a thread takes.
     pub(crate) fn pairs(self) -> u32 {
-        self.choose(1, 8)
+        self.choose(1, 16)
     }
 
     pub(crate) fn has_cheap_barriers(self) -> bool {

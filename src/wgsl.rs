@@ -148,6 +148,6 @@ pub(crate) fn maps(projection: Projection) -> [(&'static str, String); 5] {
         ("resolve", resolve(projection)),
         ("assign", assign(projection)),
         ("rasterise", rasterise(projection, 1)),
-        ("rasterise_software", rasterise(projection, 8)),
+        ("rasterise_software", rasterise(projection, 16)),
     ]
 }
