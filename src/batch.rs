@@ -3,7 +3,7 @@
 
 use crate::casters::Casters;
 use crate::light::PointLight;
-use crate::view::MapShape;
+use crate::view::{MapShape, Projection};
 
 /// Work items of one batch at most; twin of the constant in `shaders/view.wgsl`.
 pub(crate) const MOST_ITEMS: u32 = 8;
@@ -89,6 +89,11 @@ impl Share {
     pub(crate) fn with_at_most(self, records: u32, jobs: u32) -> Self {
         let overflows = self.overflows || records < self.records || jobs < self.jobs;
         Self { records: records.min(self.records), jobs: jobs.min(self.jobs), overflows, ..self }
+    }
+
+    /// Bytes of an item's bits, of so many chunks. Cubes have more maps, and less room.
+    pub(crate) fn bits_bytes(chunks: u64) -> u64 {
+        4 * u64::from(Projection::PARABOLOIDS.squares * BITS) * chunks
     }
 
     /// Bytes of an item's share, with lists of `room` entries.

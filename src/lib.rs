@@ -15,7 +15,7 @@
 //! # fn start(device: &wgpu::Device, positions: &[[f32; 3]], indices: &[u32]) -> Result<(), dual_paraboloid::Error> {
 //!
 //! // Once: what casts, which lights, and the text and the layout for the lighting pass.
-//! let mut casters = Casters::new(device);
+//! let mut casters = Casters::new(device)?;
 //! let mesh = CasterMesh { positions, indices: Indices::U32(indices), ..Default::default() };
 //! let mesh = casters.add_mesh(&mesh)?;
 //! let door = casters.add_instance(mesh, Affine3A::IDENTITY)?;
@@ -81,6 +81,7 @@ mod error;
 mod filter;
 mod gpu;
 mod light;
+mod limits;
 mod lookup;
 mod maps;
 mod mask;
@@ -90,6 +91,7 @@ mod number;
 pub mod paraboloid;
 mod ranges;
 mod rasterise;
+mod recordings;
 mod resolve;
 mod schedule;
 mod shadows;
@@ -107,6 +109,9 @@ pub use filter::Filter;
 #[cfg(feature = "compare")]
 pub use gpu::Workgroups;
 pub use light::{Coverage, PointLight};
+#[cfg(feature = "compare")]
+pub use limits::limits_one_too_low;
+pub use limits::{required_features, required_limits};
 pub use mask::Mask;
 pub use shadows::{LightId, PointShadows, PointShadowsDescriptor, RecordOptions};
 #[cfg(feature = "compare")]

@@ -67,6 +67,12 @@ impl Light {
         self.stale = Stale::Everything;
     }
 
+    /// There is no map of it: it was never made, since the encoder was thrown away.
+    pub(crate) fn forget_map(&mut self) {
+        self.stale = Stale::Everything;
+        self.made = false;
+    }
+
     /// Notes what a change of the casters does to the map; one of a moving caster counts apart only where static ones are
     /// kept. Returns whether another change may make the map staler.
     pub(crate) fn touch(&mut self, change: &Change, keep_static: bool) -> bool {

@@ -1,6 +1,7 @@
 //! What is kept from one recording to the next is what would be made anew, bit for bit.
 
 use crate::common::{box_inside, gpu, soup};
+use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::{
     CasterMesh, Casters, Coverage, Indices, InstanceId, LightId, MeshId, PointLight, PointShadows,
     PointShadowsDescriptor, RecordOptions, Sides,
@@ -24,6 +25,8 @@ enum Step {
     SetPriority { light: usize, priority: f32 },
     RemoveLight { light: usize },
     Record { most: u32 },
+    /// Records to encoders that are dropped, of the subjects that `whose` has the bits of.
+    ThrowAway { most: u32, whose: u32 },
 }
 
 fn point(size: f32) -> impl Strategy<Value = Vec3> {
@@ -62,6 +65,7 @@ fn step() -> impl Strategy<Value = Step> {
         1 => (number(), 0.01f32..100.0).prop_map(|(light, priority)| Step::SetPriority { light, priority }),
         1 => number().prop_map(|light| Step::RemoveLight { light }),
         6 => (0u32..4).prop_map(|most| Step::Record { most }),
+        1 => (0u32..4, 1u32..16).prop_map(|(most, whose)| Step::ThrowAway { most, whose }),
     ]
 }
 
@@ -145,7 +149,7 @@ impl World {
             limited,
             before: Vec::new(),
         };
-        let mut casters = Casters::new(&gpu().device);
+        let mut casters = Casters::new(&gpu().device).unwrap();
         Self {
             meshes: add_meshes(&mut casters),
             casters,
@@ -219,6 +223,14 @@ impl World {
                 }
             }
             Step::Record { most } => self.record(most),
+            Step::ThrowAway { most, whose } => {
+                for (_, subject) in (0..).zip(&mut self.subjects).filter(|(number, _)| whose & 1 << number != 0) {
+                    let mut encoder = gpu().device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                    let options = RecordOptions { most: subject.limited.then_some(most), draw: None };
+                    let Gpu { device, queue, .. } = gpu();
+                    subject.shadows.record_with(device, queue, &mut encoder, &mut self.casters, options).unwrap();
+                }
+            }
             _ => {}
         }
     }
@@ -265,7 +277,7 @@ impl World {
 
     /// The maps of all lights with nothing kept from before, neither casters nor maps.
     fn made_anew(&mut self) -> Vec<Vec<u32>> {
-        let mut casters = Casters::new(&gpu().device);
+        let mut casters = Casters::new(&gpu().device).unwrap();
         let meshes = add_meshes(&mut casters);
         for (_, mesh, transform) in &self.instances {
             casters.add_instance(meshes[*mesh], *transform).unwrap();

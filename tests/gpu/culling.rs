@@ -64,7 +64,7 @@ fn closed_pieces_with_the_light_outside() {
 #[test]
 fn the_hall() {
     let scene = procedural::hall();
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     fill(&mut casters, gpu(), &scene, Sides::Auto).unwrap();
     let light = PointLight { position: scene.lights[0].position, range: 60.0, ..Default::default() };
     assert_culling_changes_nothing(&mut casters, light, 1024, "the hall");

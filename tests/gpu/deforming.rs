@@ -56,7 +56,7 @@ impl Cloth {
 
     /// The map of a mesh that has these positions for good.
     fn map_of(&self, positions: &[[f32; 3]]) -> Map {
-        let mut casters = Casters::new(&gpu().device);
+        let mut casters = Casters::new(&gpu().device).unwrap();
         self.add(&mut casters, positions, false);
         map(&mut casters, light(), 128)
     }
@@ -78,7 +78,7 @@ fn cloths() -> [Cloth; 3] {
 
 /// All cloths in one gust, whole, with holes and one-sided.
 pub fn deformed_cloths() -> Casters {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     for subject in cloths() {
         let instance = subject.add(&mut casters, &subject.rest.positions, true);
         let buffer = positions_buffer(&cloth(&subject.rest, 1.0), 0, 12);
@@ -95,7 +95,7 @@ fn a_deformed_mesh_is_the_mesh_of_its_positions() {
         for (offset, stride, at_rest) in
             [(0, 12, &subject.rest.positions), (260, 16, &folded), (1024, 32, &subject.rest.positions)]
         {
-            let mut casters = Casters::new(&gpu().device);
+            let mut casters = Casters::new(&gpu().device).unwrap();
             let instance = subject.add(&mut casters, at_rest, true);
             let rest = map(&mut casters, light(), 128);
             let expected = subject.map_of(at_rest);
@@ -127,7 +127,7 @@ fn record(shadows: &mut PointShadows, casters: &mut Casters, before: impl FnOnce
 #[test]
 fn positions_are_read_in_the_callers_encoder() {
     let [subject, ..] = cloths();
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let instance = subject.add(&mut casters, &subject.rest.positions, true);
     let buffer = positions_buffer(&cloth(&subject.rest, 0.5), 0, 12);
     let mut shadows = PointShadows::new(&gpu().device, &descriptor(128)).unwrap();
@@ -151,7 +151,7 @@ fn positions_are_read_in_the_callers_encoder() {
 #[test]
 fn bounds_say_which_lights_see_it() {
     let [subject, ..] = cloths();
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let instance = subject.add(&mut casters, &subject.rest.positions, true);
     let far = PointLight { position: Vec3::new(100.0, 0.0, 0.0), range: 50.0, ..light() };
     let descriptor = PointShadowsDescriptor { capacity: 2, ..descriptor(32) };
@@ -173,7 +173,7 @@ fn bounds_say_which_lights_see_it() {
 #[test]
 fn wrong_positions_are_refused() {
     let [subject, ..] = cloths();
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let instance = subject.add(&mut casters, &subject.rest.positions, true);
     let stiff = subject.add(&mut casters, &subject.rest.positions, false);
     let mut shadows = PointShadows::new(&gpu().device, &descriptor(32)).unwrap();

@@ -12,6 +12,7 @@ mod custom;
 mod deforming;
 mod degenerate;
 mod device_loss;
+mod encoders;
 mod exact;
 mod filters;
 mod hard_cases;

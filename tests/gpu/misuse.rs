@@ -14,7 +14,7 @@ fn mesh<'a>(positions: &'a [[f32; 3]], indices: &'a [u32]) -> CasterMesh<'a> {
 
 #[test]
 fn meshes() {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let mut add = |positions: &[[f32; 3]], indices: &[u32]| casters.add_mesh(&mesh(positions, indices));
     assert_eq!(add(&[], &[]), Err(Error::EmptyMesh { positions: 0, indices: 0 }));
     assert_eq!(add(&TRIANGLE, &[]), Err(Error::EmptyMesh { positions: 3, indices: 0 }));
@@ -32,7 +32,7 @@ fn meshes() {
 
 #[test]
 fn handles_and_transforms() {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let id = casters.add_mesh(&mesh(&TRIANGLE, &[0, 1, 2])).unwrap();
     let instance = casters.add_instance(id, Affine3A::IDENTITY).unwrap();
     assert_eq!(casters.triangle_count(), 1);
@@ -41,7 +41,7 @@ fn handles_and_transforms() {
     let huge = Affine3A::from_scale(Vec3::splat(3e38)) * Affine3A::from_translation(Vec3::splat(3.0));
     assert!(matches!(casters.set_transform(instance, huge), Err(Error::TransformNotFinite { .. })));
     assert_eq!(casters.remove_mesh(id), Err(Error::MeshInUse { instances: 1 }));
-    let mut other = Casters::new(&gpu().device);
+    let mut other = Casters::new(&gpu().device).unwrap();
     assert!(matches!(other.add_instance(id, Affine3A::IDENTITY), Err(Error::StaleHandle { what: "mesh", .. })));
     casters.remove_instance(instance).unwrap();
     let stale = casters.remove_instance(instance).unwrap_err();
@@ -137,7 +137,7 @@ fn masks() {
         usage: wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
     };
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let suitable = texture(good.clone());
     let coordinates = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     let mask = Mask {

@@ -39,7 +39,7 @@ fn lights(stated: &Stated, scene: &Scene) -> Vec<Vec3> {
 }
 
 fn leaving_triangles_out_changes_nothing(stated: &Stated, scene: &Scene) {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     fill(&mut casters, gpu(), scene, Sides::Auto).unwrap();
     let (low, high) = scene.bounds().unwrap();
     let lights = lights(stated, scene);
