@@ -722,3 +722,26 @@ fn transformed(bounds: &Bounds, transform: &Affine3A) -> Result<Bounds, Error> {
     let result = Bounds { min: (centre - reach).into(), max: (centre + reach).into() };
     if result.min.is_finite() && result.max.is_finite() { Ok(result) } else { Err(error()) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_chunk_has_numbers_and_bits() {
+        // A triangle's number with one added, and that of the map above it.
+        assert!(crate::wgsl::cull(crate::view::Projection::PARABOLOIDS).contains("const SQUARE_SHIFT: u32 = 29u;"));
+        let number = |chunk: u64| (chunk << 8 | 255) + 1;
+        assert!(number(MOST_CHUNKS - 1) < 1 << 29 && number(MOST_CHUNKS) >= 1 << 29);
+        let roomy =
+            wgpu::Limits { max_storage_buffer_binding_size: 1 << 31, max_buffer_size: 1 << 31, ..Default::default() };
+        assert_eq!(check_chunks(MOST_CHUNKS, &roomy), Ok(()));
+        let too_many = Error::TooManyChunks { needed: MOST_CHUNKS + 1, limit: MOST_CHUNKS };
+        assert_eq!(check_chunks(MOST_CHUNKS + 1, &roomy), Err(too_many));
+        // 144 bytes each, and a mebibyte for counters.
+        let most = ((128 << 20) - (1 << 20)) / 144;
+        assert_eq!(check_chunks(most, &crate::required_limits()), Ok(()));
+        let too_many = check_chunks(most + 1, &crate::required_limits());
+        assert!(matches!(too_many, Err(Error::CastersTooLarge { what: "chunks' bits", .. })), "{too_many:?}");
+    }
+}

@@ -88,6 +88,7 @@ mod mask;
 mod mesh_records;
 mod neighbours;
 mod number;
+mod outward;
 pub mod paraboloid;
 mod ranges;
 mod rasterise;
@@ -116,3 +117,30 @@ pub use mask::Mask;
 pub use shadows::{LightId, PointShadows, PointShadowsDescriptor, RecordOptions};
 #[cfg(feature = "compare")]
 pub use shadows::{Stage, Tuning};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn public_types_go_to_other_threads() {
+        fn assert<T: Send + Sync>() {}
+        assert::<CasterMesh>();
+        assert::<CasterPass>();
+        assert::<Casters>();
+        assert::<Coverage>();
+        assert::<Deformed>();
+        assert::<Error>();
+        assert::<Filter>();
+        assert::<Indices>();
+        assert::<InstanceId>();
+        assert::<LightId>();
+        assert::<Mask>();
+        assert::<MeshId>();
+        assert::<PointLight>();
+        assert::<PointShadows>();
+        assert::<PointShadowsDescriptor>();
+        assert::<Sides>();
+        // `RecordOptions` has a closure of the caller's, which may be anything.
+    }
+}

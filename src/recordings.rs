@@ -133,10 +133,10 @@ mod tests {
     fn done_in_order_they_are_confirmed() {
         let (mut recordings, watches) = three();
         let states = watches.each_ref().map(|watch| watch.recording.clone());
-        assert_eq!(recordings.take_lost(), []);
+        assert!(recordings.take_lost().is_empty());
         assert!(states.iter().all(Recording::is_open));
         watches.into_iter().for_each(Watch::done);
-        assert_eq!(recordings.take_lost(), []);
+        assert!(recordings.take_lost().is_empty());
         assert!(states.iter().all(Recording::is_confirmed));
         assert!(recordings.unconfirmed.is_empty());
     }
@@ -147,12 +147,12 @@ mod tests {
         let states = [&first, &second, &third].map(|watch| watch.recording.clone());
         first.done();
         third.done();
-        assert_eq!(recordings.take_lost(), [], "the second may be submitted yet");
+        assert!(recordings.take_lost().is_empty(), "the second may be submitted yet");
         assert!(states[0].is_confirmed() && !states[2].is_confirmed());
         drop(second);
         assert_eq!(recordings.take_lost(), [2, 3]);
         assert!(states[1].is_lost() && states[2].is_lost());
-        assert_eq!(recordings.take_lost(), []);
+        assert!(recordings.take_lost().is_empty());
     }
 
     #[test]

@@ -179,6 +179,19 @@ mod tests {
     }
 
     #[test]
+    fn a_map_that_waits_is_read_as_it_was() {
+        let mut lights = lights(&[1.0, 1.0]);
+        let soft = PointLight { filter: crate::Filter::soft(0.1), ..PointLight::default() };
+        lights.iter_mut().for_each(|(_, light)| light.set(soft));
+        if let Some((_, light)) = lights.iter_mut().next() {
+            light.set(PointLight { range: 5.0, ..soft });
+        }
+        assert_eq!(take_lookup_changes(&mut lights), [(1, soft)]);
+        assert!(take_lookup_changes(&mut lights).is_empty(), "read anew for ever");
+        assert_eq!(layers(&take(&mut lights, None)), [0]);
+    }
+
+    #[test]
     fn priorities_are_finite_and_above_0() {
         let mut light = Light::new(PointLight::default());
         for wrong in [0.0, -1.0, f32::NAN, f32::INFINITY] {

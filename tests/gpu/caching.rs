@@ -16,17 +16,42 @@ const RESOLUTION: u32 = 32;
 /// Something that happens to casters and lights. Numbers choose among those that there are.
 #[derive(Debug, Clone)]
 enum Step {
-    AddInstance { mesh: usize, transform: Affine3A, moving: bool },
-    Move { instance: usize, transform: Affine3A },
-    SetMoving { instance: usize, moving: bool },
-    RemoveInstance { instance: usize },
+    AddInstance {
+        mesh: usize,
+        transform: Affine3A,
+        moving: bool,
+    },
+    Move {
+        instance: usize,
+        transform: Affine3A,
+    },
+    SetMoving {
+        instance: usize,
+        moving: bool,
+    },
+    RemoveInstance {
+        instance: usize,
+    },
     AddLight(PointLight),
-    SetLight { light: usize, to: PointLight },
-    SetPriority { light: usize, priority: f32 },
-    RemoveLight { light: usize },
-    Record { most: u32 },
+    SetLight {
+        light: usize,
+        to: PointLight,
+    },
+    SetPriority {
+        light: usize,
+        priority: f32,
+    },
+    RemoveLight {
+        light: usize,
+    },
+    Record {
+        most: u32,
+    },
     /// Records to encoders that are dropped, of the subjects that `whose` has the bits of.
-    ThrowAway { most: u32, whose: u32 },
+    ThrowAway {
+        most: u32,
+        whose: u32,
+    },
 }
 
 fn point(size: f32) -> impl Strategy<Value = Vec3> {
@@ -332,4 +357,23 @@ fn what_has_to_wait_stays_as_it_is() {
     assert_eq!(arrives(&shadows, &casters, old), of_before);
     assert_eq!(record(&mut shadows, &mut casters, Some(1)), 1);
     assert_eq!(arrives(&shadows, &casters, old), [0.0, 1.0]);
+}
+
+#[test]
+fn more_changes_than_are_remembered_are_noticed() {
+    let wall = [[Vec3::new(-4.0, -4.0, 1.0), Vec3::new(4.0, -4.0, 1.0), Vec3::new(0.0, 6.0, 1.0)]];
+    let mut casters = soup(&wall, Sides::Both);
+    let mut shadows = shadows(false);
+    shadows.add(PointLight::default()).unwrap();
+    assert_eq!(record(&mut shadows, &mut casters, None), 1);
+    let touch = |casters: &mut Casters, x: f32| casters.touch(Vec3::splat(x), Vec3::splat(x + 1.0)).unwrap();
+    // The one that is near is forgotten, so every light counts as touched.
+    touch(&mut casters, 0.0);
+    (0..70_000).for_each(|_| touch(&mut casters, 1e3));
+    assert_eq!(record(&mut shadows, &mut casters, None), 1);
+    // As many as ever are remembered, and yet those are others.
+    touch(&mut casters, 1e3);
+    assert_eq!(record(&mut shadows, &mut casters, None), 0);
+    touch(&mut casters, 0.0);
+    assert_eq!(record(&mut shadows, &mut casters, None), 1);
 }

@@ -2,6 +2,7 @@
 
 use crate::common::{Map, descriptor, gpu, map};
 use crate::masked::{Sheet, checkerboard, mask};
+use dual_paraboloid::compare::procedural::shapes::cuboid;
 use dual_paraboloid::{
     CasterMesh, Casters, Deformed, Error, Indices, InstanceId, LightId, PointLight, PointShadows,
     PointShadowsDescriptor, Sides,
@@ -206,4 +207,24 @@ fn wrong_positions_are_refused() {
     assert_eq!(record(&mut shadows, &mut casters, |_| ()), 0, "what was refused changed something");
     casters.remove_instance(instance).unwrap();
     assert!(matches!(casters.deform(instance, &good), Err(Error::StaleHandle { .. })));
+}
+
+#[test]
+fn closed_bodies_may_be_turned_inside_out() {
+    let body = cuboid(Vec3::splat(-0.5), Vec3::splat(0.5));
+    let add = |casters: &mut Casters, positions: &[[f32; 3]], sides, deforms| {
+        let mesh = CasterMesh { positions, indices: Indices::U32(&body.indices), sides, deforms, ..Default::default() };
+        let mesh = casters.add_mesh(&mesh).unwrap();
+        casters.add_instance(mesh, Affine3A::IDENTITY).unwrap()
+    };
+    // The same box, of which the backs are outside now.
+    let mirrored: Vec<[f32; 3]> = body.positions.iter().map(|&[x, y, z]| [-x, y, z]).collect();
+    let mut casters = Casters::new(&gpu().device).unwrap();
+    let instance = add(&mut casters, &body.positions, Sides::Auto, true);
+    casters.deform(instance, &deformed(&positions_buffer(&mirrored, 0, 12))).unwrap();
+    let mut expected = Casters::new(&gpu().device).unwrap();
+    add(&mut expected, &mirrored, Sides::Both, false);
+    let expected = map(&mut expected, light(), 128);
+    assert!(expected.depth.iter().filter(|depth| **depth > 0.0).count() > 100);
+    assert!(map(&mut casters, light(), 128).differences(&expected).is_empty());
 }

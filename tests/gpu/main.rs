@@ -16,6 +16,7 @@ mod encoders;
 mod exact;
 mod filters;
 mod hard_cases;
+mod limits;
 mod mapping;
 mod masked;
 mod memory;

@@ -103,6 +103,30 @@ fn lights() {
 }
 
 #[test]
+fn no_light_is_dark_wherever_it_is_asked() {
+    let walls = box_inside(Vec3::splat(-2.0), Vec3::splat(2.0));
+    let mut casters = soup(&walls, Sides::Auto);
+    let four = PointShadowsDescriptor { capacity: 4, ..descriptor(32) };
+    let near = PointLight { range: 5.0, ..Default::default() };
+    let (mut shadows, gone) = record(PointShadows::new(&gpu().device, &four).unwrap(), &mut casters, near);
+    // An index that no light of these ever had.
+    let mut others = PointShadows::new(&gpu().device, &four).unwrap();
+    let unused = [0; 4].map(|_| others.add(near).unwrap())[3];
+    let distances = [0.0, 1e-30, 0.5, 4.9, 5.1, 1e3, 1e18, 1e30];
+    let receivers = distances.map(|distance| (distance * Vec3::new(0.6, -0.64, 0.48), Vec3::X));
+    let far = |shadows: &PointShadows, id| gpu().shadow_values(shadows, &casters, id, &receivers[4..]);
+    assert_eq!(far(&shadows, gone), [1.0; 4], "a light that is there doesn't end beyond its range");
+    shadows.remove(gone).unwrap();
+    let made = gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters)).unwrap();
+    assert_eq!(made, 0);
+    for id in [gone, unused] {
+        assert_eq!(gpu().shadow_values(&shadows, &casters, id, &receivers), [0.0; 8], "index {}", id.index());
+        assert_eq!(gpu().filtered_values(&shadows, &casters, id, &receivers), [0.0; 8], "index {}", id.index());
+        assert_eq!(gpu().vote_values(&shadows, id, &receivers), [0.0; 8], "index {}", id.index());
+    }
+}
+
+#[test]
 fn descriptors() {
     let good = descriptor(64);
     let widest = gpu().device.limits().max_texture_dimension_2d;
