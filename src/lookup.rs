@@ -80,7 +80,7 @@ impl Lookup {
 
     /// There is no light in a layer any more.
     pub(crate) fn remove(&mut self, layer: u32) {
-        self.records[layer as usize] = bytemuck::Zeroable::zeroed();
+        self.records[layer as usize].hemispheres = 0;
         self.changed = true;
     }
 
