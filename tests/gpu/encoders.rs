@@ -127,10 +127,10 @@ fn shrink(world: &mut World) {
 
 #[test]
 fn what_is_thrown_away_is_recorded_again() {
-    let changes: [fn(&mut World); 5] = [World::fill, add_grille, shift, thin_out, shrink];
+    let changes: [fn(&mut World); 6] = [World::fill, add_grille, World::fill, shift, thin_out, shrink];
     let expected = undisturbed(&changes);
-    // Before the first recording, after it, and several times in a row.
-    for lost in [&[0][..], &[1], &[2, 3], &[0, 1, 2, 3], &[4]] {
+    // Before the first recording, after it, with buffers that grow or shrink, and several times in a row.
+    for lost in [&[0][..], &[1], &[2], &[3, 4], &[0, 1, 2, 3, 4], &[5]] {
         let mut world = World::new();
         for (k, (change, expected)) in changes.iter().zip(&expected).enumerate() {
             change(&mut world);
@@ -149,7 +149,7 @@ fn what_is_thrown_away_is_recorded_again() {
             .set(world.light, PointLight { position: Vec3::new(0.2, 0.0, 1.0), ..Default::default() })
             .unwrap();
         assert_eq!(world.frame(), 1);
-        assert!(world.bits() == expected[4], "{lost:?} lost, at the end");
+        assert!(world.bits() == expected[5], "{lost:?} lost, at the end");
         assert_eq!(world.frame(), 0, "made for ever");
     }
 }
