@@ -56,7 +56,7 @@ impl Indices<'_> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sides {
     /// Both. Closed connected pieces are found, and their back faces left out where that can't change the map:
-    /// a front face is nearer to a light outside.
+    /// a front face is nearer to a light outside. Where a piece crosses itself they are kept.
     #[default]
     Auto,
     /// Both, without looking for closed pieces: adding the mesh takes less time.

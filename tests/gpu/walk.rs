@@ -142,7 +142,7 @@ fn with_holes() -> Scene {
         }
     }
     sheet.tex_coords = Some(tex_coords);
-    let alpha = |column: u32, row: u32| if (column / 8 + row / 8) % 2 == 0 { 255 } else { 0 };
+    let alpha = |column: u32, row: u32| if (column / 8 + row / 8).is_multiple_of(2) { 255 } else { 0 };
     let image = image::RgbaImage::from_fn(64, 64, |column, row| image::Rgba([0, 0, 0, alpha(column, row)]));
     let mask = Material { base_color_image: Some(0), alpha: Alpha::Mask { cutoff: 0.5 }, ..Material::default() };
     let floor = quad(Vec3::new(-4.0, -2.0, -4.0), 8.0 * Vec3::Z, 8.0 * Vec3::X);
