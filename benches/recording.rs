@@ -45,7 +45,7 @@ impl Frames {
     fn new(instances: usize, lights: usize) -> Self {
         let gpu = Gpu::new(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}"));
         let mut random = Pcg64::seed_from_u64(1);
-        let mut casters = Casters::new(&gpu.device);
+        let mut casters = Casters::new(&gpu.device).unwrap();
         let scene = tetrahedra(instances, &mut random);
         let instances = fill(&mut casters, &gpu, &scene, Sides::Auto).expect("the device has room");
         let places = scene.instances.iter().map(|instance| instance.transform.translation.into());

@@ -62,11 +62,12 @@ impl Arena {
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         length: u32,
-    ) {
-        self.resize(device, encoder, length);
-        let (bytes, copies) = std::mem::take(&mut self.pending).up_to(self.buffer.size());
+    ) -> Written {
+        let replaced = self.resize(device, encoder, length);
+        let pending = std::mem::take(&mut self.pending);
+        let (bytes, copies) = pending.up_to(self.buffer.size());
         if bytes.is_empty() {
-            return;
+            return Written { replaced, pending };
         }
         // By way of the encoder, since the old contents may be copied there too. One upload however many writes: each has
         // a buffer made for it by wgpu.
@@ -76,10 +77,31 @@ impl Arena {
         for Copy { from, to, size } in copies {
             encoder.copy_buffer_to_buffer(&staging, from, &self.buffer, to, size);
         }
+        Written { replaced, pending }
     }
 
-    /// Doubles when full, halves when three quarters are unused.
-    fn resize(&mut self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, length: u32) {
+    /// Has successive updates done again by the next one, since they never happened.
+    pub(crate) fn redo(&mut self, updates: impl Iterator<Item = Written>) {
+        let later = std::mem::take(&mut self.pending);
+        let mut replaced = None;
+        for update in updates {
+            replaced = replaced.or(update.replaced);
+            self.pending.append(update.pending);
+        }
+        self.pending.append(later);
+        if let Some(buffer) = replaced {
+            self.buffer = buffer;
+            self.generation += 1;
+        }
+    }
+
+    /// Doubles when full, halves when three quarters are unused. Returns the buffer that was replaced.
+    fn resize(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        length: u32,
+    ) -> Option<wgpu::Buffer> {
         let capacity = self.buffer.size() / self.stride;
         let length = u64::from(length.max(MINIMUM));
         let wanted = if length > capacity {
@@ -87,18 +109,25 @@ impl Arena {
         } else if length < capacity / 4 {
             length * 2
         } else {
-            return;
+            return None;
         };
         let buffer = create(device, self.what, wanted * self.stride, self.usage);
         let kept = self.buffer.size().min(buffer.size());
         encoder.copy_buffer_to_buffer(&self.buffer, 0, &buffer, 0, kept);
-        self.buffer = buffer;
         self.generation += 1;
+        Some(std::mem::replace(&mut self.buffer, buffer))
     }
 }
 
 fn create(device: &wgpu::Device, what: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
     gpu::buffer(device, &format!("casters::{what}"), size, usage)
+}
+
+/// What an update did: all that it takes to do it again.
+#[derive(Debug)]
+pub(crate) struct Written {
+    replaced: Option<wgpu::Buffer>,
+    pending: Pending,
 }
 
 /// Bytes to write, by where they go; no two runs overlap.
@@ -139,10 +168,18 @@ impl Pending {
         }
     }
 
+    fn append(&mut self, later: Self) {
+        if self.runs.is_empty() {
+            *self = later;
+            return;
+        }
+        later.runs.into_iter().for_each(|(start, bytes)| self.write(start, &bytes));
+    }
+
     /// All bytes that go below `end`, one after the other, and the copies that take them there.
-    fn up_to(self, end: u64) -> (Vec<u8>, Vec<Copy>) {
+    fn up_to(&self, end: u64) -> (Vec<u8>, Vec<Copy>) {
         let (mut bytes, mut copies): (Vec<u8>, Vec<Copy>) = (Vec::new(), Vec::new());
-        for (to, run) in self.runs {
+        for (&to, run) in &self.runs {
             let size = (run.len() as u64).min(end.saturating_sub(to));
             if size == 0 {
                 break;

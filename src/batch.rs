@@ -3,7 +3,7 @@
 
 use crate::casters::Casters;
 use crate::light::PointLight;
-use crate::view::MapShape;
+use crate::view::{MapShape, Projection};
 
 /// Work items of one batch at most; twin of the constant in `shaders/view.wgsl`.
 pub(crate) const MOST_ITEMS: u32 = 8;
@@ -99,6 +99,11 @@ impl Share {
     /// Words of an item's lists, with `room` entries a tile.
     pub(crate) fn lists(&self, room: u32) -> u64 {
         u64::from(self.jobs) + u64::from(self.winners) + u64::from(self.tiles) * u64::from(room)
+    }
+
+    /// Bytes of an item's bits, of so many chunks. Cubes have more maps, and less room.
+    pub(crate) fn bits_bytes(chunks: u64) -> u64 {
+        4 * u64::from(Projection::PARABOLOIDS.squares * BITS) * chunks
     }
 
     /// Bytes of an item's share, with lists of `room` entries.

@@ -4,16 +4,20 @@
 //! world space; when it moves, its vertices and bounds are computed anew on the GPU, and only its own.
 
 use crate::Error;
-use crate::arena::Arena;
+use crate::arena::{Arena, Written};
+use crate::batch::Share;
 use crate::chunks::{self, Bounds, Chunk, Culling, Vertex};
 use crate::cone::Cone;
 use crate::deform::{Deformed, Positions};
+use crate::limits;
 use crate::lookup::SurfaceGroup;
 use crate::mask::{Mask, MaskedMesh, Masks};
 use crate::mesh_records::MeshRecords;
 use crate::ranges::Ranges;
+use crate::recordings::{Recording, Recordings};
 use crate::slots::{Handle, Slots};
 use crate::transform::{Moved, Transform};
+use crate::workspace;
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use std::collections::VecDeque;
 
@@ -52,7 +56,7 @@ impl Indices<'_> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sides {
     /// Both. Closed connected pieces are found, and their back faces left out where that can't change the map:
-    /// a front face is nearer to a light outside.
+    /// a front face is nearer to a light outside. Where a piece crosses itself they are kept.
     #[default]
     Auto,
     /// Both, without looking for closed pieces: adding the mesh takes less time.
@@ -148,6 +152,10 @@ const KIND_MOVING: u32 = 1;
 /// The same: its mesh has holes.
 const KIND_MASKED: u32 = 2;
 
+/// Chunks that there are numbers for: a triangle's number, with one added, has 29 bits beside that of its map
+/// (`SQUARE_SHIFT` in `shaders/view.wgsl`), and 8 of them are its place in the chunk.
+const MOST_CHUNKS: u64 = (1 << 21) - 1;
+
 /// What moved, came or went.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Change {
@@ -171,6 +179,15 @@ impl Change {
         self.around.touches_sphere(centre, radius)
             && (self.before.touches_sphere(centre, radius) || self.after.touches_sphere(centre, radius))
     }
+}
+
+/// What an update did: all that it takes to do it again.
+#[derive(Debug)]
+struct Update {
+    /// Of the arenas, in the order of [`Casters::arenas_mut`].
+    written: [Written; 6],
+    textures: Vec<wgpu::Texture>,
+    moved: Vec<Handle>,
 }
 
 /// Changes remembered for lights that haven't seen them yet; past that, every light counts as touched.
@@ -209,21 +226,26 @@ pub struct Casters {
     transform: Transform,
     /// Counts the updates from 1 on. Each chunk has the number of the one that brought or moved it, 0 once it is gone.
     updates: u32,
+    /// Updates that may have to be done again.
+    recordings: Recordings<Update>,
     surface: SurfaceGroup,
     limits: wgpu::Limits,
 }
 
 impl Casters {
     /// Creates an empty store. Its buffers grow as casters come and shrink as they go.
-    #[must_use]
-    pub fn new(device: &wgpu::Device) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::LimitTooLow`] if the device has less than [`required_limits`](crate::required_limits).
+    pub fn new(device: &wgpu::Device) -> Result<Self, Error> {
+        limits::check(&device.limits())?;
         let storage = wgpu::BufferUsages::STORAGE;
         let arena = |what, stride, extra| Arena::new(device, what, stride, storage | extra);
         let records = MeshRecords::new(device);
         let vertices = arena("vertices", VERTEX_SIZE, wgpu::BufferUsages::VERTEX);
         let chunk_bounds = arena("chunk bounds", CHUNK_BOUNDS_SIZE, wgpu::BufferUsages::empty());
         let surface = SurfaceGroup::new(device, [&chunk_bounds, records.arena(), &vertices]);
-        Self {
+        Ok(Self {
             meshes: Slots::new("mesh", "Casters"),
             instances: Slots::new("instance", "Casters"),
             local_ranges: Ranges::default(),
@@ -243,9 +265,10 @@ impl Casters {
             masks: Masks::default(),
             transform: Transform::new(device),
             updates: 0,
+            recordings: Recordings::default(),
             surface,
             limits: device.limits(),
-        }
+        })
     }
 
     /// Triangles of all instances together, without those of no area.
@@ -269,6 +292,11 @@ impl Casters {
     fn arenas(&self) -> [&Arena; 6] {
         let Self { local_vertices, triangles, records, vertices, chunk_sources, chunk_bounds, .. } = self;
         [local_vertices, triangles, records.arena(), vertices, chunk_sources, chunk_bounds]
+    }
+
+    fn arenas_mut(&mut self) -> [&mut Arena; 6] {
+        let Self { local_vertices, triangles, records, vertices, chunk_sources, chunk_bounds, .. } = self;
+        [local_vertices, triangles, records.arena_mut(), vertices, chunk_sources, chunk_bounds]
     }
 
     /// Layout of [`Self::bind_group`], for the pipeline layouts of passes that look shadows up. Three storage buffers. The
@@ -348,14 +376,15 @@ impl Casters {
     /// scale differently by axis.
     ///
     /// # Errors
-    /// [`Error::StaleHandle`], [`Error::TransformNotFinite`], or [`Error::CastersTooLarge`] if the device can't
-    /// bind that much.
+    /// [`Error::StaleHandle`], [`Error::TransformNotFinite`], [`Error::CastersTooLarge`] if the device can't
+    /// bind that much, or [`Error::TooManyChunks`].
     pub fn add_instance(&mut self, mesh: MeshId, transform: Affine3A) -> Result<InstanceId, Error> {
         let entry = self.meshes.get_mut(mesh.0)?;
         let bounds = transformed(&entry.bounds, &transform)?;
         let chunk_count = entry.chunks.len() as u32;
         self.vertices.check(self.vertex_ranges.end_after(entry.vertex_count))?;
         self.chunk_bounds.check(self.chunk_ranges.end_after(chunk_count))?;
+        check_chunks(self.chunk_ranges.end_after(chunk_count), &self.limits)?;
         entry.instances += 1;
         let first_vertex = self.vertex_ranges.allocate(entry.vertex_count);
         let first_chunk = self.chunk_ranges.allocate(chunk_count);
@@ -526,20 +555,30 @@ impl Casters {
         self.updates
     }
 
-    /// Brings the GPU's copy up to date: grows or shrinks buffers, writes what was added, transforms what moved.
-    pub(crate) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
+    /// Brings the GPU's copy up to date: grows or shrinks buffers, writes what was added, transforms what moved. Does again
+    /// what never happened, since its encoder was thrown away.
+    pub(crate) fn update(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Recording {
+        self.redo_lost();
         self.updates = self.updates.saturating_add(1);
         let (local, triangles) = (self.local_ranges.end(), self.triangle_ranges.end());
         let (vertices, chunks) = (self.vertex_ranges.end(), self.chunk_ranges.end());
-        self.local_vertices.update(device, queue, encoder, local);
-        self.triangles.update(device, queue, encoder, triangles);
-        self.records.update(device, queue, encoder);
-        self.vertices.update(device, queue, encoder, vertices);
-        self.chunk_sources.update(device, queue, encoder, chunks);
-        self.chunk_bounds.update(device, queue, encoder, chunks);
-        self.masks.update(device, encoder, &self.records);
+        let written = [
+            self.local_vertices.update(device, queue, encoder, local),
+            self.triangles.update(device, queue, encoder, triangles),
+            self.records.update(device, queue, encoder),
+            self.vertices.update(device, queue, encoder, vertices),
+            self.chunk_sources.update(device, queue, encoder, chunks),
+            self.chunk_bounds.update(device, queue, encoder, chunks),
+        ];
+        let textures = self.masks.update(device, encoder, &self.records);
         self.surface.update(device, [&self.chunk_bounds, self.records.arena(), &self.vertices]);
-        let (moved, deformed) = self.take_moved();
+        let handles = std::mem::take(&mut self.moved);
+        let (moved, deformed) = self.gather(&handles);
         let arenas = [&self.local_vertices, &self.vertices, &self.chunk_sources, &self.chunk_bounds];
         let buffers = arenas.map(Arena::buffer);
         if moved.count() > 0 {
@@ -549,12 +588,31 @@ impl Casters {
         for (positions, moved) in deformed {
             self.transform.record_deformed(device, queue, encoder, buffers, &moved, &positions, records);
         }
+        self.recordings.begin(encoder, Update { written, textures, moved: handles })
+    }
+
+    /// Has the next update do again what never happened.
+    fn redo_lost(&mut self) {
+        let lost = self.recordings.take_lost();
+        let mut written: [Vec<Written>; 6] = Default::default();
+        for update in lost {
+            written.iter_mut().zip(update.written).for_each(|(list, own)| list.push(own));
+            self.masks.redo(update.textures);
+            for handle in update.moved {
+                if let Ok(instance) = self.instances.get_mut(handle)
+                    && !std::mem::replace(&mut instance.moved, true)
+                {
+                    self.moved.push(handle);
+                }
+            }
+        }
+        self.arenas_mut().into_iter().zip(written).for_each(|(arena, written)| arena.redo(written.into_iter()));
     }
 
     /// What has to be transformed: with their meshes' positions, and each deformed instance.
-    fn take_moved(&mut self) -> (Moved, Vec<(Positions, Moved)>) {
+    fn gather(&mut self, handles: &[Handle]) -> (Moved, Vec<(Positions, Moved)>) {
         let (mut moved, mut deformed) = (Moved::new(self.updates), Vec::new());
-        for handle in std::mem::take(&mut self.moved) {
+        for &handle in handles {
             let Ok(instance) = self.instances.get_mut(handle) else {
                 continue;
             };
@@ -576,6 +634,19 @@ impl Casters {
         }
         (moved, deformed)
     }
+}
+
+/// Whether there may be so many chunks: whether they have numbers, and the device can bind their bits for a light.
+fn check_chunks(count: u64, limits: &wgpu::Limits) -> Result<(), Error> {
+    if count > MOST_CHUNKS {
+        return Err(Error::TooManyChunks { needed: count, limit: MOST_CHUNKS });
+    }
+    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let needed = Share::bits_bytes(count) + workspace::COUNTERS_ROOM;
+    if needed > limit {
+        return Err(Error::CastersTooLarge { what: "chunks' bits", needed, limit });
+    }
+    Ok(())
 }
 
 fn validate(mesh: &CasterMesh) -> Result<(), Error> {
@@ -650,4 +721,27 @@ fn transformed(bounds: &Bounds, transform: &Affine3A) -> Result<Bounds, Error> {
     let reach = size * half + slack;
     let result = Bounds { min: (centre - reach).into(), max: (centre + reach).into() };
     if result.min.is_finite() && result.max.is_finite() { Ok(result) } else { Err(error()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_chunk_has_numbers_and_bits() {
+        // A triangle's number with one added, and that of the map above it.
+        assert!(crate::wgsl::cull(crate::view::Projection::PARABOLOIDS).contains("const SQUARE_SHIFT: u32 = 29u;"));
+        let number = |chunk: u64| (chunk << 8 | 255) + 1;
+        assert!(number(MOST_CHUNKS - 1) < 1 << 29 && number(MOST_CHUNKS) >= 1 << 29);
+        let roomy =
+            wgpu::Limits { max_storage_buffer_binding_size: 1 << 31, max_buffer_size: 1 << 31, ..Default::default() };
+        assert_eq!(check_chunks(MOST_CHUNKS, &roomy), Ok(()));
+        let too_many = Error::TooManyChunks { needed: MOST_CHUNKS + 1, limit: MOST_CHUNKS };
+        assert_eq!(check_chunks(MOST_CHUNKS + 1, &roomy), Err(too_many));
+        // 144 bytes each, and a mebibyte for counters.
+        let most = ((128 << 20) - (1 << 20)) / 144;
+        assert_eq!(check_chunks(most, &crate::required_limits()), Ok(()));
+        let too_many = check_chunks(most + 1, &crate::required_limits());
+        assert!(matches!(too_many, Err(Error::CastersTooLarge { what: "chunks' bits", .. })), "{too_many:?}");
+    }
 }

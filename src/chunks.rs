@@ -4,6 +4,7 @@
 use crate::casters::{CasterMesh, Indices, Sides};
 use crate::cone::Cone;
 use crate::neighbours::{Beyond, Edges, Neighbours, Triangles};
+use crate::outward;
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 
@@ -29,9 +30,10 @@ impl Bounds {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Whether any point of the box is within `radius` of `centre`.
+    /// Whether any point of the box is within `radius` of `centre`; none of an empty one is.
     pub(crate) fn touches_sphere(&self, centre: Vec3, radius: f32) -> bool {
-        (centre.clamp(self.min, self.max)).distance_squared(centre) <= radius * radius
+        // glam's `clamp` may assert that there is a box.
+        centre.max(self.min).min(self.max).distance_squared(centre) <= radius * radius
     }
 }
 
@@ -104,6 +106,8 @@ struct Triangle {
     corners: [u32; 3],
     centre: Vec3,
     closed: bool,
+    /// Whether a front face of the piece is surely nearer to a light outside than a back face.
+    culls: bool,
     /// Number of one of the piece's triangles.
     piece: u32,
     /// Its number in the mesh.
@@ -122,6 +126,7 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
     let plain = mesh.mask.is_none() && !mesh.deforms;
     let closes = mesh.sides == Sides::Auto && plain;
     let pieces = if closes { find_closed_pieces(&positions, &mut triangles, &edges, &drawn) } else { Vec::new() };
+    find_culled_pieces(&positions, &mut triangles);
 
     let neighbours = Neighbours::new(&Triangles { positions: &positions, corners: &corners, drawn: &drawn }, &edges);
     drop(edges);
@@ -142,7 +147,7 @@ pub(crate) fn cut(mesh: &CasterMesh) -> ChunkedMesh {
             bounds: Bounds::EMPTY,
         },
     };
-    let split = closed_first(&mut triangles);
+    let split = culled_first(&mut triangles);
     let (closed, open) = triangles.split_at_mut(split);
     cutter.cut(closed);
     cutter.cut(open);
@@ -189,10 +194,22 @@ pub(crate) fn closed_pieces(positions: &[[f32; 3]], indices: Indices) -> Vec<Opt
     pieces
 }
 
-/// Puts the triangles of closed pieces first and returns their number.
-fn closed_first(triangles: &mut [Triangle]) -> usize {
-    triangles.sort_by_key(|t| !t.closed);
-    triangles.partition_point(|t| t.closed)
+/// Marks the triangles of closed pieces, which have been turned outward, whose backs needn't be drawn, and puts each piece's
+/// triangles together.
+fn find_culled_pieces(positions: &[Vec3], triangles: &mut [Triangle]) {
+    triangles.sort_by_key(|triangle| (!triangle.closed, triangle.piece));
+    let split = triangles.partition_point(|triangle| triangle.closed);
+    for piece in triangles[..split].chunk_by_mut(|a, b| a.piece == b.piece) {
+        let corners: Vec<[u32; 3]> = piece.iter().map(|triangle| triangle.corners).collect();
+        let hidden = outward::hidden_backs(&corners, positions);
+        piece.iter_mut().zip(hidden).for_each(|(triangle, hidden)| triangle.culls = hidden);
+    }
+}
+
+/// Puts the triangles first whose backs may be left out, and returns their number.
+fn culled_first(triangles: &mut [Triangle]) -> usize {
+    triangles.sort_by_key(|t| (!t.culls, t.number));
+    triangles.partition_point(|t| t.culls)
 }
 
 /// A mesh's vertices without repetition.
@@ -212,7 +229,7 @@ struct Welded {
 fn triangles(positions: &[Vec3], corners: &[[u32; 3]], drawn: &[bool]) -> Vec<Triangle> {
     let triangle = |(&corners, number): (&[u32; 3], u32)| {
         let [a, b, c] = corners.map(|vertex| positions[vertex as usize]);
-        Triangle { corners, centre: (a + b + c) / 3.0, closed: false, piece: 0, number, turned: false }
+        Triangle { corners, centre: (a + b + c) / 3.0, closed: false, culls: false, piece: 0, number, turned: false }
     };
     corners.iter().zip(0..).filter(|(_, number)| drawn[*number as usize]).map(triangle).collect()
 }
@@ -445,7 +462,7 @@ impl Cutter<'_> {
             self.turned.truncate(first_triangle);
             return false;
         }
-        let culling = match (self.always, triangles[0].closed) {
+        let culling = match (self.always, triangles[0].culls) {
             (true, _) => Culling::Always,
             (false, true) => Culling::Closed,
             (false, false) => Culling::None,
@@ -512,5 +529,20 @@ impl Cutter<'_> {
         self.out.triangles[first..first + chunk.triangle_count as usize]
             .iter()
             .map(move |packed| [0, 8, 16].map(|shift| self.welded[(vertex + (packed >> shift & 0xff)) as usize]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spheres_touch_what_is_within_their_radius() {
+        let bounds = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
+        let beside = Vec3::new(3.0, 0.5, 0.5);
+        assert!(bounds.touches_sphere(beside, 2.0) && !bounds.touches_sphere(beside, 1.9));
+        assert!(bounds.touches_sphere(Vec3::splat(0.5), 0.0));
+        // Before an instance came and after it went; the development build has glam's assertions.
+        assert!(!Bounds::EMPTY.touches_sphere(Vec3::ZERO, 1e18));
     }
 }

@@ -95,7 +95,7 @@ impl Custom {
     pub(crate) fn prepare(
         &mut self,
         device: &wgpu::Device,
-        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
         lights: &[PointLight],
         shape: &MapShape,
         items: u32,
@@ -105,7 +105,7 @@ impl Custom {
             let view = HemisphereView::new(&lights[i / 2], shape, i % 2 == 1);
             slot[..size_of_val(&view)].copy_from_slice(bytemuck::bytes_of(&view));
         }
-        queue.write_buffer(&self.views, 0, &bytes);
+        gpu::write(device, encoder, &self.views, &bytes);
         let fits = |depths: &Depths| depths.layers.len() as u32 >= items;
         if self.depths.as_ref().is_some_and(fits) {
             return false;

@@ -137,6 +137,28 @@ pub enum Error {
         /// The upper corner given.
         max: [f32; 3],
     },
+    /// A device with a limit that is lower than [`required_limits`](crate::required_limits) has it.
+    #[error(
+        "the device's {limit} is {value} and must be at least {needed}: request it with required_limits(), or better"
+    )]
+    LimitTooLow {
+        /// Which field of [`wgpu::Limits`].
+        limit: &'static str,
+        /// Its value.
+        value: u64,
+        /// The least that is enough.
+        needed: u64,
+    },
+    /// More chunks than there are numbers for.
+    #[error(
+        "the casters would have {needed} chunks, and there are numbers for {limit}: join small meshes, since each instance          has at least one chunk of up to 256 triangles"
+    )]
+    TooManyChunks {
+        /// Chunks needed.
+        needed: u64,
+        /// Chunks at most.
+        limit: u64,
+    },
     /// The device is lost, so nothing was recorded.
     #[error("the device is lost: make another one, and all that was made with this one anew")]
     DeviceLost,

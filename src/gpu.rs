@@ -150,6 +150,24 @@ pub(crate) fn compute_pipeline(
     })
 }
 
+/// Has an encoder write to a buffer, from its start on. `Queue::write_buffer` would come before all of the encoder's commands
+/// and those of others that wait, and happen even if the encoder is thrown away.
+pub(crate) fn write(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, buffer: &wgpu::Buffer, bytes: &[u8]) {
+    let size = bytes.len() as u64;
+    let staging = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(&label("staging")),
+        size,
+        usage: wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: true,
+    });
+    // Fails only where the device has been lost a moment ago, and then it doesn't matter.
+    if let Ok(mut range) = staging.get_mapped_range_mut(..) {
+        range.copy_from_slice(bytes);
+    }
+    staging.unmap();
+    encoder.copy_buffer_to_buffer(&staging, 0, buffer, 0, size);
+}
+
 /// Reversed depth in the format of the maps: nearer to the light wins.
 pub(crate) fn depth_state() -> wgpu::DepthStencilState {
     wgpu::DepthStencilState {

@@ -15,7 +15,7 @@
 //! # fn start(device: &wgpu::Device, positions: &[[f32; 3]], indices: &[u32]) -> Result<(), dual_paraboloid::Error> {
 //!
 //! // Once: what casts, which lights, and the text and the layout for the lighting pass.
-//! let mut casters = Casters::new(device);
+//! let mut casters = Casters::new(device)?;
 //! let mesh = CasterMesh { positions, indices: Indices::U32(indices), ..Default::default() };
 //! let mesh = casters.add_mesh(&mesh)?;
 //! let door = casters.add_instance(mesh, Affine3A::IDENTITY)?;
@@ -81,14 +81,17 @@ mod error;
 mod filter;
 mod gpu;
 mod light;
+mod limits;
 mod lookup;
 mod maps;
 mod mask;
 mod mesh_records;
 mod neighbours;
+mod outward;
 pub mod paraboloid;
 mod ranges;
 mod rasterise;
+mod recordings;
 mod resolve;
 mod schedule;
 mod shadows;
@@ -106,7 +109,37 @@ pub use filter::Filter;
 #[cfg(feature = "compare")]
 pub use gpu::Workgroups;
 pub use light::{Coverage, PointLight};
+#[cfg(feature = "compare")]
+pub use limits::limits_one_too_low;
+pub use limits::{required_features, required_limits};
 pub use mask::Mask;
 pub use shadows::{LightId, PointShadows, PointShadowsDescriptor, RecordOptions};
 #[cfg(feature = "compare")]
 pub use shadows::{Stage, Tuning};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn public_types_go_to_other_threads() {
+        fn assert<T: Send + Sync>() {}
+        assert::<CasterMesh>();
+        assert::<CasterPass>();
+        assert::<Casters>();
+        assert::<Coverage>();
+        assert::<Deformed>();
+        assert::<Error>();
+        assert::<Filter>();
+        assert::<Indices>();
+        assert::<InstanceId>();
+        assert::<LightId>();
+        assert::<Mask>();
+        assert::<MeshId>();
+        assert::<PointLight>();
+        assert::<PointShadows>();
+        assert::<PointShadowsDescriptor>();
+        assert::<Sides>();
+        // `RecordOptions` has a closure of the caller's, which may be anything.
+    }
+}

@@ -80,7 +80,7 @@ impl Lookup {
 
     /// There is no light in a layer any more.
     pub(crate) fn remove(&mut self, layer: u32) {
-        self.records[layer as usize] = bytemuck::Zeroable::zeroed();
+        self.records[layer as usize].hemispheres = 0;
         self.changed = true;
     }
 
@@ -98,10 +98,15 @@ impl Lookup {
         self.changed = true;
     }
 
+    /// The GPU's copy may lack what was written to it.
+    pub(crate) fn write_again(&mut self) {
+        self.changed = true;
+    }
+
     /// Brings the GPU's copy up to date, in one write.
-    pub(crate) fn write(&mut self, queue: &wgpu::Queue) {
+    pub(crate) fn write(&mut self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder) {
         if std::mem::take(&mut self.changed) {
-            queue.write_buffer(&self.lights, 0, bytemuck::cast_slice(&self.records));
+            gpu::write(device, encoder, &self.lights, bytemuck::cast_slice(&self.records));
         }
     }
 

@@ -18,7 +18,7 @@ pub struct Mask<'a> {
     pub texture_coordinates: &'a [[f32; 2]],
     /// Two-dimensional, of one layer and one sample, with the usage `TEXTURE_BINDING` and a format of four channels
     /// that a shader reads as floats, block-compressed ones among them. Its alpha is copied, to 8 bits, by the first
-    /// [`PointShadows::record`](crate::PointShadows::record) after, until when it mustn't be destroyed. Meshes with the
+    /// [`PointShadows::record`](crate::PointShadows::record) after, until whose work is done it mustn't be destroyed. Meshes with the
     /// same texture share the copy, and while there are any, the texture is kept.
     pub texture: &'a wgpu::Texture,
     /// Smallest alpha that casts, in [0, 1].
@@ -173,13 +173,25 @@ impl Masks {
         }
     }
 
-    /// Copies the alphas of textures that came.
-    pub(crate) fn update(&mut self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, records: &MeshRecords) {
-        for texture in std::mem::take(&mut self.waiting) {
-            let Some(copy) = self.copies.get(&texture) else { continue };
+    /// Copies the alphas of textures that came, and returns those.
+    pub(crate) fn update(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        records: &MeshRecords,
+    ) -> Vec<wgpu::Texture> {
+        let textures = std::mem::take(&mut self.waiting);
+        for texture in &textures {
+            let Some(copy) = self.copies.get(texture) else { continue };
             let pipeline = self.pipeline.get_or_insert_with(|| copy_pipeline(device));
-            record_copy(device, encoder, pipeline, &texture, records.arena().buffer(), copy.first * RECORD_WORDS);
+            record_copy(device, encoder, pipeline, texture, records.arena().buffer(), copy.first * RECORD_WORDS);
         }
+        textures
+    }
+
+    /// Has textures copied again by the next update, since they never were.
+    pub(crate) fn redo(&mut self, textures: Vec<wgpu::Texture>) {
+        self.waiting.extend(textures);
     }
 }
 

@@ -2,7 +2,7 @@
 //! bytes, since a renderer's fragment stage has few bindings to spare.
 
 use crate::Error;
-use crate::arena::Arena;
+use crate::arena::{Arena, Written};
 use crate::ranges::Ranges;
 
 /// Words of a record.
@@ -22,6 +22,10 @@ impl MeshRecords {
 
     pub(crate) fn arena(&self) -> &Arena {
         &self.arena
+    }
+
+    pub(crate) fn arena_mut(&mut self) -> &mut Arena {
+        &mut self.arena
     }
 
     /// Whether the device can bind so many records more.
@@ -53,7 +57,12 @@ impl MeshRecords {
     }
 
     /// Brings the GPU's copy up to date.
-    pub(crate) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
-        self.arena.update(device, queue, encoder, self.ranges.end());
+    pub(crate) fn update(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Written {
+        self.arena.update(device, queue, encoder, self.ranges.end())
     }
 }

@@ -293,6 +293,21 @@ mod tests {
     use proptest::prelude::*;
     use std::collections::HashMap;
 
+    #[test]
+    fn a_neighbour_s_chunk_is_within_21_bits() {
+        let half_edge = HalfEdge::new(0, 2).turned(true);
+        let decode = |beyond: Beyond| ((beyond.0 as i32) >> 11, beyond.0 >> 3 & 0xff, beyond.0 & 7);
+        let most = (1 << 21) - 2;
+        for offset in [-(1 << 20), 1 - (1 << 20), -1, 0, 1, (1 << 20) - 1] {
+            let from = if offset < 0 { most } else { 0 };
+            let to = (i64::from(from) + offset) as u32;
+            assert_eq!(decode(Beyond::new(from, to, 255, half_edge)), (offset as i32, 255, 6), "{offset}");
+        }
+        for (from, to) in [(0, 1 << 20), ((1 << 20) + 1, 0), (0, most)] {
+            assert_eq!(Beyond::new(from, to, 0, half_edge), Beyond::UNKNOWN, "{from} to {to}");
+        }
+    }
+
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     enum Across {
         Nothing,

@@ -67,6 +67,12 @@ impl Light {
         self.stale = Stale::Everything;
     }
 
+    /// There is no map of it: it was never made, since the encoder was thrown away.
+    pub(crate) fn forget_map(&mut self) {
+        self.stale = Stale::Everything;
+        self.made = false;
+    }
+
     /// Notes what a change of the casters does to the map; one of a moving caster counts apart only where static ones are
     /// kept. Returns whether another change may make the map staler.
     pub(crate) fn touch(&mut self, change: &Change, keep_static: bool) -> bool {
@@ -170,6 +176,19 @@ mod tests {
         assert_eq!(layers(&take(&mut lights, Some(3))), [2, 1, 0]);
         assert_eq!(layers(&take(&mut lights, None)), [new]);
         assert!(take(&mut lights, None).is_empty());
+    }
+
+    #[test]
+    fn a_map_that_waits_is_read_as_it_was() {
+        let mut lights = lights(&[1.0, 1.0]);
+        let soft = PointLight { filter: crate::Filter::soft(0.1), ..PointLight::default() };
+        lights.iter_mut().for_each(|(_, light)| light.set(soft));
+        if let Some((_, light)) = lights.iter_mut().next() {
+            light.set(PointLight { range: 5.0, ..soft });
+        }
+        assert_eq!(take_lookup_changes(&mut lights), [(1, soft)]);
+        assert!(take_lookup_changes(&mut lights).is_empty(), "read anew for ever");
+        assert_eq!(layers(&take(&mut lights, None)), [0]);
     }
 
     #[test]

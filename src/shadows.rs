@@ -8,9 +8,11 @@ use crate::cull::Cull;
 use crate::custom::{CasterPass, Custom};
 use crate::gpu::{self, Workgroups};
 use crate::light::PointLight;
+use crate::limits;
 use crate::lookup::Lookup;
 use crate::maps::{Maps, Target};
 use crate::rasterise::Rasterise;
+use crate::recordings::Recording;
 use crate::resolve::Resolve;
 use crate::schedule::{self, Due, Light, Stale};
 use crate::slots::{Handle, Slots};
@@ -84,6 +86,8 @@ pub struct PointShadows {
     workspace: Workspace,
     views: wgpu::Buffer,
     groups: Option<Groups>,
+    /// Recordings that may be lost, by the casters' count, and the layers whose maps each made.
+    unconfirmed: Vec<(Recording, Vec<u32>)>,
     /// Items of the last recording that made a map.
     recorded: usize,
     /// The last stage that is recorded.
@@ -158,6 +162,7 @@ impl PointShadows {
     /// Creates maps for `descriptor.capacity` lights. Needs no optional feature.
     ///
     /// # Errors
+    /// [`Error::LimitTooLow`] if the device has less than [`required_limits`](crate::required_limits),
     /// [`Error::InvalidDescriptor`] for a value out of range or more than the device's limits allow, or
     /// [`Error::DeviceLost`].
     pub fn new(device: &wgpu::Device, descriptor: &PointShadowsDescriptor) -> Result<Self, Error> {
@@ -180,6 +185,7 @@ impl PointShadows {
         tuning: &Tuning,
         shape: MapShape,
     ) -> Result<Self, Error> {
+        limits::check(&device.limits())?;
         validate(descriptor, &device.limits())?;
         gpu::check(device)?;
         let PointShadowsDescriptor { capacity, keep_static, .. } = *descriptor;
@@ -205,6 +211,7 @@ impl PointShadows {
             workspace: Workspace::new(device, share, room, Most { records, jobs }, 1, MOST_ITEMS),
             views: view_buffer(device, capacity),
             groups: None,
+            unconfirmed: Vec::new(),
             recorded: 0,
             until: Stage::default(),
         })
@@ -270,7 +277,12 @@ impl PointShadows {
     /// light is stale if it was added or changed, or if something within its range came, went or moved.
     ///
     /// Its cost on the CPU doesn't depend on how many triangles or instances there are, only on the stale lights
-    /// and on what has changed. Submit the encoder before the next call.
+    /// and on what has changed.
+    ///
+    /// Submit encoders in the order in which they were recorded to; several may wait. If one is thrown away, or submitted after
+    /// a later one, the next call finds out and records once more all that was recorded from it on. Until its maps are made
+    /// again, lights that had theirs made there light nothing. An encoder or command buffer counts as thrown away
+    /// once it is dropped, and as submitted even if wgpu refused it for an error of validation.
     ///
     /// # Errors
     /// [`Error::DeviceLost`].
@@ -297,7 +309,8 @@ impl PointShadows {
         options: RecordOptions,
     ) -> Result<u32, Error> {
         gpu::check(device)?;
-        casters.update(device, queue, encoder);
+        let recording = casters.update(device, queue, encoder);
+        self.forget_lost();
         self.mark_touched(casters);
         let RecordOptions { most, draw } = options;
         let due = schedule::take(&mut self.lights, most);
@@ -312,11 +325,27 @@ impl PointShadows {
         for (layer, light) in schedule::take_lookup_changes(&mut self.lights) {
             self.lookup.set_reading(layer, &light);
         }
-        self.lookup.write(queue);
+        self.lookup.write(device, encoder);
+        self.unconfirmed.push((recording, due.iter().map(|due| due.layer).collect()));
         if !due.is_empty() {
-            self.record_lights(device, queue, encoder, casters, &due, draw);
+            self.record_lights(device, encoder, casters, &due, draw);
         }
         Ok(due.len() as u32)
+    }
+
+    /// Forgets the maps of recordings that never happened, since their encoder was thrown away or another one before.
+    fn forget_lost(&mut self) {
+        let lost = self.unconfirmed.extract_if(.., |(recording, _)| recording.is_lost());
+        for (_, layers) in lost {
+            self.lookup.write_again();
+            for layer in layers {
+                self.lookup.remove(layer);
+                if let Some((_, light)) = self.lights.iter_mut().find(|(slot, _)| *slot == layer) {
+                    light.forget_map();
+                }
+            }
+        }
+        self.unconfirmed.retain(|(recording, _)| !recording.is_confirmed());
     }
 
     /// Marks the lights that a change of the casters has reached.
@@ -329,6 +358,8 @@ impl PointShadows {
         let remembered = seen.filter(|(owner, _)| *owner == now.0).map(|(_, count)| count);
         if remembered.is_none() {
             self.lookup.forget_casters();
+            // Those of other casters that are done are as good as confirmed: all their maps are made anew.
+            self.unconfirmed.retain(|(recording, _)| recording.is_open());
         }
         let Some(changes) = remembered.and_then(|count| casters.changes_since(count)) else {
             self.lights.iter_mut().for_each(|(_, entry)| entry.outdate());
@@ -347,7 +378,6 @@ impl PointShadows {
     fn record_lights(
         &mut self,
         device: &wgpu::Device,
-        queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         casters: &Casters,
         due: &[Due],
@@ -361,15 +391,15 @@ impl PointShadows {
         let in_batch = self.workspace.items();
         if draw.is_some() {
             let lights: Vec<PointLight> = due.iter().map(|due| due.light).collect();
-            replaced |= self.custom.prepare(device, queue, &lights, &self.shape, in_batch);
+            replaced |= self.custom.prepare(device, encoder, &lights, &self.shape, in_batch);
         }
         let batches = batches(first_live, count, in_batch);
-        replaced |= self.write_views(device, queue, casters, &items, &batches);
+        replaced |= self.write_views(device, encoder, casters, &items, &batches);
         let key = (casters.owner(), casters.generation());
         if replaced || self.groups.as_ref().is_none_or(|groups| groups.key != key) {
             self.groups = Some(self.bind(device, casters, key));
         }
-        self.workspace.clear_counters(queue, count);
+        self.workspace.clear_counters(device, encoder, count);
         for batch in batches {
             if let Some(draw) = draw.as_deref_mut().filter(|_| batch.start >= first_live) {
                 for (layer, number) in (0..).zip(batch.clone()) {
@@ -432,7 +462,7 @@ impl PointShadows {
     fn write_views(
         &mut self,
         device: &wgpu::Device,
-        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
         casters: &Casters,
         items: &[Item],
         batches: &[Range<u32>],
@@ -446,7 +476,7 @@ impl PointShadows {
             View::new(item, &self.shape, &self.workspace, casters.chunk_count(), number, number - first)
         };
         let views: Vec<View> = batches.iter().flat_map(|b| b.clone().map(|number| view(number, b.start))).collect();
-        queue.write_buffer(&self.views, 0, bytemuck::cast_slice(&views));
+        gpu::write(device, encoder, &self.views, bytemuck::cast_slice(&views));
         replaced
     }
 

@@ -6,6 +6,9 @@ use crate::gpu;
 /// Words of an item's counters; twins in `shaders/view.wgsl`.
 const COUNTERS: u32 = 8;
 
+/// Bytes that all counters of a recording take at most: two items each of as many lights as textures have layers.
+pub(crate) const COUNTERS_ROOM: u64 = 1 << 20;
+
 /// The most that an item has, for tests.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Most {
@@ -62,7 +65,7 @@ impl Workspace {
         let share = share.with_at_most(self.most.records.unwrap_or(u32::MAX), self.most.jobs.unwrap_or(u32::MAX));
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let items = share.items(lights, self.room, limit);
+        let items = share.items(lights, self.room, limit - COUNTERS_ROOM);
         let fits = share.tiles == self.share.tiles
             && share.records <= self.share.records
             && share.jobs <= self.share.jobs
@@ -77,7 +80,8 @@ impl Workspace {
         }
         // A quarter more, so that a scene that grows step by step isn't given new buffers with each.
         let more = |x: u32| x + x / 4;
-        let roomy = if fits { share } else { Share { bits: more(share.bits), ..share } };
+        let most = ((limit - COUNTERS_ROOM) / 4 / u64::from(items)) as u32;
+        let roomy = if fits { share } else { Share { bits: more(share.bits).min(most.max(share.bits)), ..share } };
         *self = Self::new(device, roomy, self.room, self.most, items, more(counted).max(MOST_ITEMS));
         true
     }
@@ -116,10 +120,9 @@ impl Workspace {
         self.winners(self.items)
     }
 
-    /// Resets the counters of a recording of `items` items. They travel with the views, before the recording: clearing a buffer
-    /// within it would make the stages wait once more.
-    pub(crate) fn clear_counters(&self, queue: &wgpu::Queue, items: u32) {
-        queue.write_buffer(&self.state, 0, &vec![0; 4 * (COUNTERS * items) as usize]);
+    /// Resets the counters of a recording of `items` items. They travel as the views do, so that the stages wait for both at once.
+    pub(crate) fn clear_counters(&self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, items: u32) {
+        gpu::write(device, encoder, &self.state, &vec![0; 4 * (COUNTERS * items) as usize]);
     }
 
     /// Makes everything zero where the last stage isn't recorded.

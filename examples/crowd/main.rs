@@ -174,7 +174,7 @@ fn microseconds(time: Duration) -> f64 {
 fn pictures(arguments: &Arguments, gpu: &Gpu, plaza: &mut Plaza) -> anyhow::Result<()> {
     for number in 0..arguments.pictures {
         plaza.go(number as f32 / arguments.pictures as f32);
-        let mut casters = Casters::new(&gpu.device);
+        let mut casters = Casters::new(&gpu.device)?;
         dual_paraboloid::compare::fill(&mut casters, gpu, &plaza.scene, Sides::Auto)?;
         let (shadows, ids) = sides::set_up(gpu, plaza, &mut casters, arguments.resolution, false)?;
         let light = |(&id, &shadow): (&LightId, _)| (id, camera::Light { shadow, intensity: INTENSITY });

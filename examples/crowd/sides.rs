@@ -65,7 +65,7 @@ pub fn set_up(
 
 impl BothSides {
     pub fn new(gpu: &Gpu, plaza: &Plaza, resolution: u32) -> anyhow::Result<Self> {
-        let mut casters = Casters::new(&gpu.device);
+        let mut casters = Casters::new(&gpu.device)?;
         let instances = dual_paraboloid::compare::fill(&mut casters, gpu, &plaza.scene, Sides::Auto)?;
         // The one that deforms is in the place of the stiff one.
         casters.remove_instance(instances[plaza.cloth])?;

@@ -61,7 +61,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let camera = choose_camera(arguments, &scene, lights[0].shadow.position)?;
 
-    let mut casters = Casters::new(&gpu.device);
+    let mut casters = Casters::new(&gpu.device)?;
     dual_paraboloid::compare::fill(&mut casters, &gpu, &scene, Sides::Auto)?;
     let mut shadows = PointShadows::new(
         &gpu.device,

@@ -55,7 +55,7 @@ impl DeviceScene {
     /// # Errors
     /// Whatever [`fill`] and [`SceneBuffers::new`] return.
     pub fn new(gpu: &Gpu, scene: &Scene, sides: Sides) -> Result<Self, Error> {
-        let mut chunked = Casters::new(&gpu.device);
+        let mut chunked = Casters::new(&gpu.device)?;
         fill(&mut chunked, gpu, scene, sides)?;
         Ok(Self { instanced: SceneBuffers::new(&gpu.device, scene, sides == Sides::Front)?, chunked })
     }

@@ -234,7 +234,7 @@ impl Made {
         light: PointLight,
         descriptor: &PointShadowsDescriptor,
     ) -> Result<Self, Error> {
-        let mut casters = Casters::new(&gpu.device);
+        let mut casters = Casters::new(&gpu.device)?;
         fill(&mut casters, gpu, scene, Sides::Auto)?;
         let mut shadows = PointShadows::new(&gpu.device, descriptor)?;
         let light = shadows.add(light)?;

@@ -39,7 +39,7 @@ fn record(gpu: &Gpu, shadows: &mut PointShadows, casters: &mut Casters) {
 
 fn stated_is_allocated() -> Result<(), String> {
     let gpu = device()?;
-    let mut casters = Casters::new(&gpu.device);
+    let mut casters = Casters::new(&gpu.device).unwrap();
     assert_allocated(&gpu, casters.memory());
     add_spheres(&mut casters, 200);
     for keep_static in [false, true] {
@@ -62,7 +62,7 @@ fn stated_is_allocated() -> Result<(), String> {
 
 fn what_came_and_went_is_given_back() -> Result<(), String> {
     let gpu = device()?;
-    let mut casters = Casters::new(&gpu.device);
+    let mut casters = Casters::new(&gpu.device).unwrap();
     let descriptor = PointShadowsDescriptor { capacity: 1, resolution: 32, ..Default::default() };
     let mut shadows = PointShadows::new(&gpu.device, &descriptor).unwrap();
     shadows.add(PointLight::default()).unwrap();

@@ -1,6 +1,7 @@
 //! What is kept from one recording to the next is what would be made anew, bit for bit.
 
 use crate::common::{box_inside, gpu, soup};
+use dual_paraboloid::compare::gpu::Gpu;
 use dual_paraboloid::{
     CasterMesh, Casters, Coverage, Indices, InstanceId, LightId, MeshId, PointLight, PointShadows,
     PointShadowsDescriptor, RecordOptions, Sides,
@@ -15,15 +16,42 @@ const RESOLUTION: u32 = 32;
 /// Something that happens to casters and lights. Numbers choose among those that there are.
 #[derive(Debug, Clone)]
 enum Step {
-    AddInstance { mesh: usize, transform: Affine3A, moving: bool },
-    Move { instance: usize, transform: Affine3A },
-    SetMoving { instance: usize, moving: bool },
-    RemoveInstance { instance: usize },
+    AddInstance {
+        mesh: usize,
+        transform: Affine3A,
+        moving: bool,
+    },
+    Move {
+        instance: usize,
+        transform: Affine3A,
+    },
+    SetMoving {
+        instance: usize,
+        moving: bool,
+    },
+    RemoveInstance {
+        instance: usize,
+    },
     AddLight(PointLight),
-    SetLight { light: usize, to: PointLight },
-    SetPriority { light: usize, priority: f32 },
-    RemoveLight { light: usize },
-    Record { most: u32 },
+    SetLight {
+        light: usize,
+        to: PointLight,
+    },
+    SetPriority {
+        light: usize,
+        priority: f32,
+    },
+    RemoveLight {
+        light: usize,
+    },
+    Record {
+        most: u32,
+    },
+    /// Records to encoders that are dropped, of the subjects that `whose` has the bits of.
+    ThrowAway {
+        most: u32,
+        whose: u32,
+    },
 }
 
 fn point(size: f32) -> impl Strategy<Value = Vec3> {
@@ -62,6 +90,7 @@ fn step() -> impl Strategy<Value = Step> {
         1 => (number(), 0.01f32..100.0).prop_map(|(light, priority)| Step::SetPriority { light, priority }),
         1 => number().prop_map(|light| Step::RemoveLight { light }),
         6 => (0u32..4).prop_map(|most| Step::Record { most }),
+        1 => (0u32..4, 1u32..16).prop_map(|(most, whose)| Step::ThrowAway { most, whose }),
     ]
 }
 
@@ -145,7 +174,7 @@ impl World {
             limited,
             before: Vec::new(),
         };
-        let mut casters = Casters::new(&gpu().device);
+        let mut casters = Casters::new(&gpu().device).unwrap();
         Self {
             meshes: add_meshes(&mut casters),
             casters,
@@ -219,6 +248,14 @@ impl World {
                 }
             }
             Step::Record { most } => self.record(most),
+            Step::ThrowAway { most, whose } => {
+                for (_, subject) in (0..).zip(&mut self.subjects).filter(|(number, _)| whose & 1 << number != 0) {
+                    let mut encoder = gpu().device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                    let options = RecordOptions { most: subject.limited.then_some(most), draw: None };
+                    let Gpu { device, queue, .. } = gpu();
+                    subject.shadows.record_with(device, queue, &mut encoder, &mut self.casters, options).unwrap();
+                }
+            }
             _ => {}
         }
     }
@@ -265,7 +302,7 @@ impl World {
 
     /// The maps of all lights with nothing kept from before, neither casters nor maps.
     fn made_anew(&mut self) -> Vec<Vec<u32>> {
-        let mut casters = Casters::new(&gpu().device);
+        let mut casters = Casters::new(&gpu().device).unwrap();
         let meshes = add_meshes(&mut casters);
         for (_, mesh, transform) in &self.instances {
             casters.add_instance(meshes[*mesh], *transform).unwrap();
@@ -320,4 +357,23 @@ fn what_has_to_wait_stays_as_it_is() {
     assert_eq!(arrives(&shadows, &casters, old), of_before);
     assert_eq!(record(&mut shadows, &mut casters, Some(1)), 1);
     assert_eq!(arrives(&shadows, &casters, old), [0.0, 1.0]);
+}
+
+#[test]
+fn more_changes_than_are_remembered_are_noticed() {
+    let wall = [[Vec3::new(-4.0, -4.0, 1.0), Vec3::new(4.0, -4.0, 1.0), Vec3::new(0.0, 6.0, 1.0)]];
+    let mut casters = soup(&wall, Sides::Both);
+    let mut shadows = shadows(false);
+    shadows.add(PointLight::default()).unwrap();
+    assert_eq!(record(&mut shadows, &mut casters, None), 1);
+    let touch = |casters: &mut Casters, x: f32| casters.touch(Vec3::splat(x), Vec3::splat(x + 1.0)).unwrap();
+    // The one that is near is forgotten, so every light counts as touched.
+    touch(&mut casters, 0.0);
+    (0..70_000).for_each(|_| touch(&mut casters, 1e3));
+    assert_eq!(record(&mut shadows, &mut casters, None), 1);
+    // As many as ever are remembered, and yet those are others.
+    touch(&mut casters, 1e3);
+    assert_eq!(record(&mut shadows, &mut casters, None), 0);
+    touch(&mut casters, 0.0);
+    assert_eq!(record(&mut shadows, &mut casters, None), 1);
 }

@@ -19,7 +19,7 @@ pub fn gpu() -> &'static Gpu {
 
 /// Triangles without shared vertices, as casters.
 pub fn soup(triangles: &[[Vec3; 3]], sides: Sides) -> Casters {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     if !triangles.is_empty() {
         let positions: Vec<[f32; 3]> = triangles.iter().flatten().map(|p| p.to_array()).collect();
         let indices: Vec<u32> = (0..positions.len() as u32).collect();
@@ -32,7 +32,7 @@ pub fn soup(triangles: &[[Vec3; 3]], sides: Sides) -> Casters {
 
 /// A scene's casters.
 pub fn filled(scene: &Scene) -> Casters {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     fill(&mut casters, gpu(), scene, Sides::Auto).unwrap();
     casters
 }

@@ -86,7 +86,7 @@ struct Scene {
 
 impl Scene {
     fn new(own: bool) -> Self {
-        let mut casters = Casters::new(&gpu().device);
+        let mut casters = Casters::new(&gpu().device).unwrap();
         let mut add = |positions: &[[f32; 3]]| {
             let indices: Vec<u32> = (0..positions.len() as u32).collect();
             let mesh =
@@ -195,7 +195,7 @@ fn the_callers_own_are_those_held_within_the_chords() {
 
 #[test]
 fn boxes_the_wrong_way_round() {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     for (min, max) in [(Vec3::ONE, Vec3::ZERO), (Vec3::NAN, Vec3::ONE), (Vec3::ZERO, Vec3::new(1.0, f32::NAN, 1.0))] {
         assert!(matches!(casters.touch(min, max), Err(Error::InvalidBox { .. })), "{min} {max}");
     }

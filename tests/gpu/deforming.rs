@@ -2,6 +2,7 @@
 
 use crate::common::{Map, descriptor, gpu, map};
 use crate::masked::{Sheet, checkerboard, mask};
+use dual_paraboloid::compare::procedural::shapes::cuboid;
 use dual_paraboloid::{
     CasterMesh, Casters, Deformed, Error, Indices, InstanceId, LightId, PointLight, PointShadows,
     PointShadowsDescriptor, Sides,
@@ -56,7 +57,7 @@ impl Cloth {
 
     /// The map of a mesh that has these positions for good.
     fn map_of(&self, positions: &[[f32; 3]]) -> Map {
-        let mut casters = Casters::new(&gpu().device);
+        let mut casters = Casters::new(&gpu().device).unwrap();
         self.add(&mut casters, positions, false);
         map(&mut casters, light(), 128)
     }
@@ -85,7 +86,7 @@ fn cloths() -> [Cloth; 3] {
 
 /// All cloths in one gust, whole, with holes and one-sided.
 pub fn deformed_cloths() -> Casters {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     for subject in cloths() {
         let instance = subject.add(&mut casters, &subject.rest.positions, true);
         let buffer = positions_buffer(&cloth(&subject.rest, 1.0), 0, 12);
@@ -102,7 +103,7 @@ fn a_deformed_mesh_is_the_mesh_of_its_positions() {
         for (offset, stride, at_rest) in
             [(0, 12, &subject.rest.positions), (260, 16, &folded), (1024, 32, &subject.rest.positions)]
         {
-            let mut casters = Casters::new(&gpu().device);
+            let mut casters = Casters::new(&gpu().device).unwrap();
             let instance = subject.add(&mut casters, at_rest, true);
             let rest = map(&mut casters, light(), 128);
             let expected = subject.map_of(at_rest);
@@ -134,7 +135,7 @@ fn record(shadows: &mut PointShadows, casters: &mut Casters, before: impl FnOnce
 #[test]
 fn positions_are_read_in_the_callers_encoder() {
     let [subject, ..] = cloths();
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let instance = subject.add(&mut casters, &subject.rest.positions, true);
     let buffer = positions_buffer(&cloth(&subject.rest, 0.5), 0, 12);
     let mut shadows = PointShadows::new(&gpu().device, &descriptor(128)).unwrap();
@@ -158,7 +159,7 @@ fn positions_are_read_in_the_callers_encoder() {
 #[test]
 fn bounds_say_which_lights_see_it() {
     let [subject, ..] = cloths();
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let instance = subject.add(&mut casters, &subject.rest.positions, true);
     let far = PointLight { position: Vec3::new(100.0, 0.0, 0.0), range: 50.0, ..light() };
     let descriptor = PointShadowsDescriptor { capacity: 2, ..descriptor(32) };
@@ -180,7 +181,7 @@ fn bounds_say_which_lights_see_it() {
 #[test]
 fn wrong_positions_are_refused() {
     let [subject, ..] = cloths();
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let instance = subject.add(&mut casters, &subject.rest.positions, true);
     let stiff = subject.add(&mut casters, &subject.rest.positions, false);
     let mut shadows = PointShadows::new(&gpu().device, &descriptor(32)).unwrap();
@@ -213,4 +214,24 @@ fn wrong_positions_are_refused() {
     assert_eq!(record(&mut shadows, &mut casters, |_| ()), 0, "what was refused changed something");
     casters.remove_instance(instance).unwrap();
     assert!(matches!(casters.deform(instance, &good), Err(Error::StaleHandle { .. })));
+}
+
+#[test]
+fn closed_bodies_may_be_turned_inside_out() {
+    let body = cuboid(Vec3::splat(-0.5), Vec3::splat(0.5));
+    let add = |casters: &mut Casters, positions: &[[f32; 3]], sides, deforms| {
+        let mesh = CasterMesh { positions, indices: Indices::U32(&body.indices), sides, deforms, ..Default::default() };
+        let mesh = casters.add_mesh(&mesh).unwrap();
+        casters.add_instance(mesh, Affine3A::IDENTITY).unwrap()
+    };
+    // The same box, of which the backs are outside now.
+    let mirrored: Vec<[f32; 3]> = body.positions.iter().map(|&[x, y, z]| [-x, y, z]).collect();
+    let mut casters = Casters::new(&gpu().device).unwrap();
+    let instance = add(&mut casters, &body.positions, Sides::Auto, true);
+    casters.deform(instance, &deformed(&positions_buffer(&mirrored, 0, 12))).unwrap();
+    let mut expected = Casters::new(&gpu().device).unwrap();
+    add(&mut expected, &mirrored, Sides::Both, false);
+    let expected = map(&mut expected, light(), 128);
+    assert!(expected.depth.iter().filter(|depth| **depth > 0.0).count() > 100);
+    assert!(map(&mut casters, light(), 128).differences(&expected).is_empty());
 }

@@ -23,7 +23,7 @@ fn descriptor() -> PointShadowsDescriptor {
 impl Setup {
     fn new() -> Self {
         let gpu = Gpu::new(wgpu::Features::empty()).unwrap();
-        let mut casters = Casters::new(&gpu.device);
+        let mut casters = Casters::new(&gpu.device).unwrap();
         let mesh = CasterMesh {
             positions: &TRIANGLE,
             indices: Indices::U32(&[0, 1, 2]),
@@ -60,7 +60,7 @@ fn use_lost(setup: &mut Setup) {
     setup.shadows.remove(other).unwrap();
     let _ = (setup.shadows.memory(), setup.casters.memory(), setup.shadows.bind_group());
     assert_eq!(setup.record(), lost);
-    let mut casters = Casters::new(&setup.gpu.device);
+    let mut casters = Casters::new(&setup.gpu.device).unwrap();
     assert_eq!(PointShadows::new(&setup.gpu.device, &descriptor()).err(), lost.err());
     let result =
         setup.gpu.submit(|encoder| setup.shadows.record(&setup.gpu.device, &setup.gpu.queue, encoder, &mut casters));

@@ -332,3 +332,25 @@ fn degenerate_receivers_have_a_share() {
         }
     }
 }
+
+#[test]
+fn noise_turns_the_taps() {
+    let scene = half_plane();
+    let angles: Vec<f32> = (-20..=20).map(|k| 0.002 * k as f32).collect();
+    let inputs = across_the_edge(&angles);
+    for filter in [Filter::disc(0.05), Filter::soft(0.1)] {
+        let light = PointLight { filter, ..light_for(&scene, Vec3::ZERO) };
+        let made = made(&scene, light, 256);
+        let with_noise = |noise: f32| {
+            let call = format!("dp_shadow_filtered({}u, position, normal, view, {noise:?})", made.light.index());
+            gpu().lookup_values(&made.shadows, &made.casters, &call, &inputs)
+        };
+        let [still, turned] = [0.0, 0.37].map(with_noise);
+        let differing = still.iter().zip(&turned).filter(|(a, b)| (*a - *b).abs() > 1e-3).count();
+        assert!(differing > 20, "{filter:?}: {differing} of {} samples in the penumbra", inputs.len());
+        // Twice the same is the same, and another turn is no other penumbra.
+        assert_eq!(turned, with_noise(0.37));
+        let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
+        assert!((mean(&still) - mean(&turned)).abs() < 0.03, "{filter:?}: {} and {}", mean(&still), mean(&turned));
+    }
+}

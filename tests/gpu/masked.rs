@@ -73,7 +73,7 @@ impl Sheet {
 
 /// A checkerboard of holes, 4 across, 1 above a floor.
 pub fn board_above_floor(quads: u32, texels: u32) -> Casters {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let board = Sheet::new(Vec3::new(-2.0, 1.0, -2.0), 4.0 * Vec3::X, 4.0 * Vec3::Z, quads);
     let floor = Sheet::new(Vec3::new(-20.0, 0.0, -20.0), 40.0 * Vec3::X, 40.0 * Vec3::Z, 1);
     for mesh in
@@ -129,7 +129,7 @@ fn random_point(rng: &mut Pcg64, size: f32) -> Vec3 {
 
 /// Sheets at random places, every third whole, some of them mirrored and sheared.
 pub fn random_sheets(rng: &mut Pcg64, sides: Sides) -> Casters {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let textures = [checkerboard(3), checkerboard(1)];
     for number in 0..12 {
         let [corner, u, v] = [4.0, 3.0, 3.0].map(|size| random_point(rng, size));
@@ -194,12 +194,12 @@ fn meshes_come_and_go() {
     let sheet = Sheet::new(Vec3::new(-2.0, 1.0, -2.0), 4.0 * Vec3::X, 4.0 * Vec3::Z, 5);
     let textures = [checkerboard(1), checkerboard(40), alpha_texture(1, &[0])];
     let maps = [0, 1].map(|number| {
-        let mut casters = Casters::new(&gpu().device);
+        let mut casters = Casters::new(&gpu().device).unwrap();
         let mesh = sheet.add(&mut casters, Some(&textures[number]), Sides::Auto);
         casters.add_instance(mesh, Affine3A::IDENTITY).unwrap();
         map(&mut casters, light, 64)
     });
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let [first, second, empty] = [0, 1, 2].map(|number| sheet.add(&mut casters, Some(&textures[number]), Sides::Auto));
     let shared = sheet.add(&mut casters, Some(&textures[0]), Sides::Auto);
     casters.remove_mesh(first).unwrap();
@@ -238,7 +238,7 @@ fn mirrored_instances() {
     let light = PointLight { position: Vec3::new(0.2, 0.1, 0.3), range: 100.0, ..Default::default() };
     for sides in [Sides::Auto, Sides::Front] {
         let maps = [(&sheet, -1.0), (&mirrored, 1.0)].map(|(sheet, scale)| {
-            let mut casters = Casters::new(&gpu().device);
+            let mut casters = Casters::new(&gpu().device).unwrap();
             let mesh = sheet.add(&mut casters, Some(&texture), sides);
             casters.add_instance(mesh, Affine3A::from_scale(Vec3::new(scale, 1.0, 1.0))).unwrap();
             map(&mut casters, light, 128)

@@ -44,7 +44,7 @@ fn many_lights_take_what_a_batch_needs() {
 #[test]
 fn ten_thousand_come_and_go() {
     let gpu = Gpu::new(wgpu::Features::empty()).unwrap();
-    let mut casters = Casters::new(&gpu.device);
+    let mut casters = Casters::new(&gpu.device).unwrap();
     let descriptor = PointShadowsDescriptor { capacity: 1, resolution: 32, ..Default::default() };
     let mut shadows = PointShadows::new(&gpu.device, &descriptor).unwrap();
     shadows.add(PointLight::default()).unwrap();

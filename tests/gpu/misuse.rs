@@ -14,7 +14,7 @@ fn mesh<'a>(positions: &'a [[f32; 3]], indices: &'a [u32]) -> CasterMesh<'a> {
 
 #[test]
 fn meshes() {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let mut add = |positions: &[[f32; 3]], indices: &[u32]| casters.add_mesh(&mesh(positions, indices));
     assert_eq!(add(&[], &[]), Err(Error::EmptyMesh { positions: 0, indices: 0 }));
     assert_eq!(add(&TRIANGLE, &[]), Err(Error::EmptyMesh { positions: 3, indices: 0 }));
@@ -32,7 +32,7 @@ fn meshes() {
 
 #[test]
 fn handles_and_transforms() {
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let id = casters.add_mesh(&mesh(&TRIANGLE, &[0, 1, 2])).unwrap();
     let instance = casters.add_instance(id, Affine3A::IDENTITY).unwrap();
     assert_eq!(casters.triangle_count(), 1);
@@ -41,7 +41,7 @@ fn handles_and_transforms() {
     let huge = Affine3A::from_scale(Vec3::splat(3e38)) * Affine3A::from_translation(Vec3::splat(3.0));
     assert!(matches!(casters.set_transform(instance, huge), Err(Error::TransformNotFinite { .. })));
     assert_eq!(casters.remove_mesh(id), Err(Error::MeshInUse { instances: 1 }));
-    let mut other = Casters::new(&gpu().device);
+    let mut other = Casters::new(&gpu().device).unwrap();
     assert!(matches!(other.add_instance(id, Affine3A::IDENTITY), Err(Error::StaleHandle { what: "mesh", .. })));
     casters.remove_instance(instance).unwrap();
     let stale = casters.remove_instance(instance).unwrap_err();
@@ -103,6 +103,30 @@ fn lights() {
 }
 
 #[test]
+fn no_light_is_dark_wherever_it_is_asked() {
+    let walls = box_inside(Vec3::splat(-2.0), Vec3::splat(2.0));
+    let mut casters = soup(&walls, Sides::Auto);
+    let four = PointShadowsDescriptor { capacity: 4, ..descriptor(32) };
+    let near = PointLight { range: 5.0, ..Default::default() };
+    let (mut shadows, gone) = record(PointShadows::new(&gpu().device, &four).unwrap(), &mut casters, near);
+    // An index that no light of these ever had.
+    let mut others = PointShadows::new(&gpu().device, &four).unwrap();
+    let unused = [0; 4].map(|_| others.add(near).unwrap())[3];
+    let distances = [0.0, 1e-30, 0.5, 4.9, 5.1, 1e3, 1e18, 1e30];
+    let receivers = distances.map(|distance| (distance * Vec3::new(0.6, -0.64, 0.48), Vec3::X));
+    let far = |shadows: &PointShadows, id| gpu().shadow_values(shadows, &casters, id, &receivers[4..]);
+    assert_eq!(far(&shadows, gone), [1.0; 4], "a light that is there doesn't end beyond its range");
+    shadows.remove(gone).unwrap();
+    let made = gpu().submit(|encoder| shadows.record(&gpu().device, &gpu().queue, encoder, &mut casters)).unwrap();
+    assert_eq!(made, 0);
+    for id in [gone, unused] {
+        assert_eq!(gpu().shadow_values(&shadows, &casters, id, &receivers), [0.0; 8], "index {}", id.index());
+        assert_eq!(gpu().filtered_values(&shadows, &casters, id, &receivers), [0.0; 8], "index {}", id.index());
+        assert_eq!(gpu().vote_values(&shadows, id, &receivers), [0.0; 8], "index {}", id.index());
+    }
+}
+
+#[test]
 fn descriptors() {
     let good = descriptor(64);
     let widest = gpu().device.limits().max_texture_dimension_2d;
@@ -137,7 +161,7 @@ fn masks() {
         usage: wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
     };
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let suitable = texture(good.clone());
     let coordinates = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     let mask = Mask {

@@ -159,7 +159,7 @@ fn the_same_on_every_run() {
     let mut rng = Pcg64::seed_from_u64(23);
     let SceneMesh { positions, indices, .. } = mesh_of(&mixed(&mut rng, 200));
     let indices = Indices::U32(&indices);
-    let mut casters = Casters::new(&gpu().device);
+    let mut casters = Casters::new(&gpu().device).unwrap();
     let mesh = casters.add_mesh(&CasterMesh { positions: &positions, indices, ..Default::default() }).unwrap();
     for _ in 0..40 {
         let turn = Quat::from_scaled_axis(1e-3 * Vec3::new(rng.random(), rng.random(), rng.random()));

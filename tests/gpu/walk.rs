@@ -209,7 +209,7 @@ fn walks_over_casters_that_have_changed_are_lost() {
     let light = light_for(&scene, Vec3::new(0.3, 1.6, -0.2));
     let truth = Truth::new(&scene, &light, RECEIVERS, 5);
     let gpu = gpu();
-    let mut casters = Casters::new(&gpu.device);
+    let mut casters = Casters::new(&gpu.device).unwrap();
     let instances = fill(&mut casters, gpu, &scene, Sides::Auto).unwrap();
     let mut shadows = PointShadows::new(&gpu.device, &descriptor(256)).unwrap();
     let id = shadows.add(light).unwrap();
