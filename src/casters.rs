@@ -738,8 +738,8 @@ mod tests {
         assert_eq!(check_chunks(MOST_CHUNKS, &roomy), Ok(()));
         let too_many = Error::TooManyChunks { needed: MOST_CHUNKS + 1, limit: MOST_CHUNKS };
         assert_eq!(check_chunks(MOST_CHUNKS + 1, &roomy), Err(too_many));
-        // 144 bytes each, and a mebibyte for counters.
-        let most = ((128 << 20) - (1 << 20)) / 144;
+        // 152 bytes each, and two mebibytes for counters.
+        let most = ((128 << 20) - (2 << 20)) / 152;
         assert_eq!(check_chunks(most, &crate::required_limits()), Ok(()));
         let too_many = check_chunks(most + 1, &crate::required_limits());
         assert!(matches!(too_many, Err(Error::CastersTooLarge { what: "chunks' bits", .. })), "{too_many:?}");

@@ -38,9 +38,9 @@ pub struct PointShadowsDescriptor {
 }
 
 impl Default for PointShadowsDescriptor {
-    /// Four lights of 1024 texels across, with a guard band of four texels, and one map each.
+    /// Four lights of 512 texels across, with a guard band of four texels, and one map each.
     fn default() -> Self {
-        Self { capacity: 4, resolution: 1024, guard: 4.0, keep_static: false }
+        Self { capacity: 4, resolution: 512, guard: 4.0, keep_static: false }
     }
 }
 

@@ -6,8 +6,9 @@ use crate::gpu;
 /// Words of an item's counters; twins in `shaders/view.wgsl`.
 const COUNTERS: u32 = 8;
 
-/// Bytes that all counters of a recording take at most: two items each of as many lights as textures have layers.
-pub(crate) const COUNTERS_ROOM: u64 = 1 << 20;
+/// Bytes that all counters take at most, half each: those of a recording, of two items for each of as many lights as textures
+/// have layers, and those of a batch's tiles, of which 128 MiB of texels have 131,072.
+pub(crate) const COUNTERS_ROOM: u64 = 2 << 20;
 
 /// The most that an item has, for tests.
 #[derive(Debug, Clone, Copy)]

@@ -20,7 +20,7 @@ pub struct Arguments {
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
     pub range: Option<f32>,
     /// Texels across each hemisphere's map
-    #[arg(long, value_name = "N", default_value_t = 1024)]
+    #[arg(long, value_name = "N", default_value_t = 512)]
     pub resolution: u32,
     /// How soft the shadows are
     #[arg(long, value_enum, default_value_t = FilterName::Sharp)]
