@@ -130,6 +130,13 @@ pub(crate) struct Written {
     pending: Pending,
 }
 
+impl Written {
+    /// Bytes of the buffer that was replaced.
+    pub(crate) fn replaced_size(&self) -> u64 {
+        self.replaced.as_ref().map_or(0, wgpu::Buffer::size)
+    }
+}
+
 /// Bytes to write, by where they go; no two runs overlap.
 #[derive(Debug, Default)]
 struct Pending {

@@ -283,10 +283,12 @@ impl Casters {
         (0..self.triangles_by_kind.len()).map(of).sum()
     }
 
-    /// Bytes that the casters take on the GPU.
+    /// Bytes that the casters take on the GPU. A buffer that has grown or shrunk counts twice until it is known that the
+    /// recording that replaced it was submitted and is done, which the next one finds out.
     #[must_use]
     pub fn memory(&self) -> u64 {
-        self.arenas().map(Arena::size).into_iter().sum()
+        let replaced = self.recordings.unconfirmed().flat_map(|update| &update.written).map(Written::replaced_size);
+        self.arenas().map(Arena::size).into_iter().sum::<u64>() + replaced.sum::<u64>()
     }
 
     fn arenas(&self) -> [&Arena; 6] {

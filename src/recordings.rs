@@ -100,6 +100,11 @@ impl<T> Recordings<T> {
         Watch { recording, newest: self.newest.clone() }
     }
 
+    /// What is kept to be done again.
+    pub(crate) fn unconfirmed(&self) -> impl Iterator<Item = &T> {
+        self.unconfirmed.iter().map(|(_, again)| again)
+    }
+
     /// Takes what has to be done again, in order: the first recording that is lost, and all that were built on it. Those
     /// count as lost from now on.
     pub(crate) fn take_lost(&mut self) -> Vec<T> {

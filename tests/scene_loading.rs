@@ -357,7 +357,7 @@ fn broken_files_are_explained() {
         ("a node of the scene is 8, but there are only 1", |json| json["scenes"][0]["nodes"] = json!([8])),
         ("the mesh of a node is 4, but", |json| json["nodes"][0]["mesh"] = json!(4)),
         ("node 0 is its own ancestor", |json| json["nodes"][0]["children"] = json!([0])),
-        ("not finite", |json| json["nodes"][0]["scale"] = json!([1e39, 1.0, 1.0])),
+        ("number out of range", |json| json["nodes"][0]["scale"] = json!([1e39, 1.0, 1.0])),
         ("not of length 1", |json| json["nodes"][0]["rotation"] = json!([0, 0, 0, 0])),
         ("is 9, but there are only 1", |json| json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(9)),
         ("has no POSITION", |json| json["meshes"][0]["primitives"][0]["attributes"] = json!({})),

@@ -72,8 +72,13 @@ fn what_came_and_went_is_given_back() -> Result<(), String> {
         assert_allocated(&gpu, casters.memory() + shadows.memory());
         instances.into_iter().for_each(|instance| casters.remove_instance(instance).unwrap());
         casters.remove_mesh(mesh).unwrap();
+        let full = casters.memory();
         record(&gpu, &mut shadows, &mut casters);
         assert_allocated(&gpu, casters.memory() + shadows.memory());
+        // The buffers that the last one replaced are kept until it is known to be done.
+        record(&gpu, &mut shadows, &mut casters);
+        assert_allocated(&gpu, casters.memory() + shadows.memory());
+        assert!(casters.memory() < full / 50, "{} bytes of {full} are left", casters.memory());
     }
     Ok(())
 }

@@ -5,8 +5,9 @@ use crate::common::{descriptor, gpu};
 use crate::stated::Stated;
 use crate::trial_of;
 use dual_paraboloid::compare::fill;
-use dual_paraboloid::compare::measure::{Made, Truth, choose_light, light_for};
+use dual_paraboloid::compare::measure::{Figures, Made, Truth, choose_light, light_for};
 use dual_paraboloid::compare::scene::{Scene, known_lights};
+use dual_paraboloid::compare::walk::{IdealWalks, STEPS};
 use dual_paraboloid::{Casters, PointLight, Sides};
 use glam::Vec3;
 use libtest_mimic::Trial;
@@ -55,12 +56,15 @@ fn the_map_is_the_ray_cast_one(stated: &Stated, scene: &Scene) {
     for position in lights(stated, scene).into_iter().take(2) {
         let light = light_for(scene, position);
         let truth = Truth::new(scene, &light, 20_000, 1);
-        let figures = Made::new(gpu(), scene, light, &descriptor(256)).unwrap().figures(gpu(), &truth);
-        let (map, wrong) = (figures.map, figures.shadow.error.wrong_ppm - figures.ideal.wrong_ppm);
+        let made = Made::new(gpu(), scene, light, &descriptor(256)).unwrap();
+        let Figures { map, shadow, .. } = made.figures(gpu(), &truth);
+        let (ideal, _) = truth.ideal(made.geometry());
+        let rule = IdealWalks::new(scene).shadows(&truth, &ideal, STEPS);
+        let wrong = shadow.error.wrong_ppm - truth.judge(&rule).wrong_ppm;
         let off = map.holes + map.phantoms + (map.wrong_surface_ppm * 1e-6 * map.texels as f64).round() as usize;
         assert!(off <= 2 && map.silhouette_distance_max <= MARGIN, "{map:?}");
         assert!(map.depth_error_p99 <= 5e-7 && map.depth_error_max <= 3e-5, "{map:?}");
-        assert!(wrong.abs() <= 100.0, "of a million {wrong} more are wrong than with the ray-cast map");
+        assert!(wrong.abs() <= 100.0, "of a million {wrong} more are wrong than by the rule on the ray-cast map");
     }
 }
 
